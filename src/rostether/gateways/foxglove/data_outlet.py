@@ -52,9 +52,7 @@ class DataOutlet:
         self._is_flush_due = False
         self._flushed_s = 0.0
         self._is_paused = False
-        self._waiting: TopicQueues[int, int] = TopicQueues(
-            waiting_bytes, self._count_drop, max_age_s=_MAX_AGE_S
-        )
+        self._waiting: TopicQueues[int, int] = TopicQueues(waiting_bytes, self._count_drop)
         self._dropped_count = 0
 
     def end(self) -> None:
@@ -72,12 +70,15 @@ class DataOutlet:
         self._is_paused = False
         self._drain()
 
-    def send(self, subscription_id: int, time_ns: int, payloads: Sequence[bytes]) -> None:
-        """Send messages of a topic, or queue them."""
+    def send(
+        self, subscription_id: int, time_ns: int, payloads: Sequence[bytes], *, is_latched: bool = False
+    ) -> None:
+        """Send messages of a topic, or queue them; latched ones are not sent again, so they may be old."""
         if not self._is_open:
             return
         if self._is_paused or self._waiting:
-            self._waiting.add(subscription_id, time_ns, payloads, self._loop.time())
+            max_age_s = None if is_latched else _MAX_AGE_S
+            self._waiting.add(subscription_id, time_ns, payloads, self._loop.time(), max_age_s=max_age_s)
             if self._dropped_count:
                 self._dropped(self._dropped_count)
                 self._dropped_count = 0

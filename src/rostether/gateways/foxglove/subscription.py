@@ -56,4 +56,9 @@ class Subscription:
     def _send_batch(self, batch: Batch) -> None:
         # Clients would decode messages of another type incorrectly.
         if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
-            self._sender.data.send(self.id, self._context.clock.now_ns(), batch.payloads)
+            self._sender.data.send(
+                self.id,
+                self._context.clock.now_ns(),
+                batch.payloads,
+                is_latched=batch.connection.is_latching,
+            )

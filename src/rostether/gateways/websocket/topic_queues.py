@@ -23,16 +23,12 @@ class TopicQueues(Generic[TopicT, TagT]):
     """One queue for each topic; when all together exceed `max_bytes`, the fullest loses its oldest messages.
 
     A topic is any hashable key, and every message has a tag and a payload. `on_drop` is called with the
-    topic for each message that is lost. A topic with more than `TURN_BYTES` also loses messages that have
-    waited longer than `max_age_s`, but not its newest.
+    topic for each message that is lost.
     """
 
-    def __init__(
-        self, max_bytes: int, on_drop: Callable[[TopicT], None], *, max_age_s: float | None = None
-    ) -> None:
+    def __init__(self, max_bytes: int, on_drop: Callable[[TopicT], None]) -> None:
         self._max_bytes = max_bytes
         self._on_drop = on_drop
-        self._max_age_s = max_age_s
         self._bytes = 0
         # Dictionaries keep their order: the first topic is served next. Each message has its time.
         self._queues: dict[TopicT, deque[tuple[TagT, bytes, float]]] = {}
@@ -51,8 +47,13 @@ class TopicQueues(Generic[TopicT, TagT]):
         now_s: float = 0.0,
         *,
         max_messages: int | None = None,
+        max_age_s: float | None = None,
     ) -> None:
-        """Queue messages; beyond `max_messages` of the topic, its oldest are dropped."""
+        """Queue messages; beyond `max_messages` of the topic, its oldest are dropped.
+
+        If the topic has more than `TURN_BYTES`, messages that have waited longer than `max_age_s` are dropped
+        too, but not the newest.
+        """
         queue = self._queues.get(topic)
         if queue is None:
             queue = self._queues[topic] = deque()
@@ -63,8 +64,8 @@ class TopicQueues(Generic[TopicT, TagT]):
         self._bytes += size
         while max_messages is not None and len(queue) > max_messages:
             self._drop_oldest(topic)
-        if self._max_age_s is not None:
-            oldest_s = now_s - self._max_age_s
+        if max_age_s is not None:
+            oldest_s = now_s - max_age_s
             while len(queue) > 1 and self._sizes[topic] > TURN_BYTES and queue[0][2] < oldest_s:
                 self._drop_oldest(topic)
         if self._bytes > self._max_bytes:

@@ -4,8 +4,8 @@ from rostether.gateways.websocket.topic_queues import MESSAGE_COST_BYTES, TURN_B
 
 
 class Waiting(TopicQueues[int, int]):
-    def __init__(self, max_bytes: int, *, max_age_s: float | None = None) -> None:
-        super().__init__(max_bytes, self.count, max_age_s=max_age_s)
+    def __init__(self, max_bytes: int) -> None:
+        super().__init__(max_bytes, self.count)
         self.dropped: list[int] = []
 
     def count(self, topic: int) -> None:
@@ -32,11 +32,11 @@ def test_topics_take_turns_and_keep_their_order() -> None:
 
 
 def test_old_images_are_dropped_and_small_messages_and_the_newest_image_are_not() -> None:
-    waiting = Waiting(10_000_000, max_age_s=1.0)
+    waiting = Waiting(10_000_000)
     image = bytes(TURN_BYTES)
     for now_s in (0.0, 0.5, 1.4, 5.0):
-        waiting.add(1, int(now_s * 10), [image], now_s)
-        waiting.add(2, int(now_s * 10), [b"x"], now_s)
+        waiting.add(1, int(now_s * 10), [image], now_s, max_age_s=1.0)
+        waiting.add(2, int(now_s * 10), [b"x"], now_s, max_age_s=1.0)
         if now_s == 1.4:
             assert waiting.dropped == [1]
     assert [(topic, tag) for topic, tag, _ in drain(waiting)] == [(1, 50), (2, 0), (2, 5), (2, 14), (2, 50)]
