@@ -16,7 +16,7 @@ PNG = b"\x89PNG tile"
 
 
 def made(path: Path, kind: str = "png", tiles: int = 1) -> Path:
-    with sqlite3.connect(path) as database:
+    with closing(sqlite3.connect(path)) as database, database:
         database.execute("CREATE TABLE metadata (name TEXT, value TEXT)")
         database.execute("CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data BLOB)")
         database.execute("INSERT INTO metadata VALUES ('format', ?)", (kind,))
