@@ -33,7 +33,7 @@ def test_a_broken_definition_affects_only_types_that_need_it(tmp_path: Path) -> 
             "bad/msg/Fine.msg": "uint8 x\n",
             "bad/msg/Needs.msg": "Broken b\n",
             "good/msg/Needs.msg": "bad/Broken b\n",
-            "good/msg/Unknown.msg": "nobody/Knows b\n",
+            "good/msg/Unknown.msg": "unknown_msgs/Missing b\n",
             "good/msg/Fine.msg": "bad/Fine f\n",
         },
     )
@@ -48,7 +48,7 @@ def test_a_broken_definition_affects_only_types_that_need_it(tmp_path: Path) -> 
 
 
 def test_many_broken_definitions_of_a_package(tmp_path: Path) -> None:
-    made = headers(tmp_path, {f"pkg/msg/A{number}.msg": "nobody/Knows b\n" for number in range(9)})
+    made = headers(tmp_path, {f"pkg/msg/A{number}.msg": "unknown_msgs/Missing b\n" for number in range(9)})
     assert [line.partition(":")[0] for line in made.skipped] == [f"skipped pkg/A{each}" for each in range(5)]
     assert made.skipped[4].endswith("(and 4 more of this package)")
 

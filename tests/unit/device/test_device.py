@@ -481,10 +481,10 @@ async def test_no_folder_is_listed_on_the_event_loop(tmp_path: Path) -> None:
 
 
 async def test_an_async_callback_is_refused(pair: tuple[Device, Any]) -> None:
-    async def hear(_: Message) -> None: ...
+    async def receive(_: Message) -> None: ...
 
     with pytest.raises(TypeError, match="write a plain function"):
-        pair[0].subscriber("chatter", "std_msgs/String", hear)
+        pair[0].subscriber("chatter", "std_msgs/String", receive)
     nothing: Any = None
     with pytest.raises(TypeError, match="the handler must be a function"):
         pair[0].service_server("switch", "std_srvs/SetBool", nothing)

@@ -175,10 +175,10 @@ async def test_what_cannot_be_called_is_refused_at_once(talker: TypedGraph) -> N
     with pytest.raises(TypeError, match="the callback must be a function"):
         await talker.watch_param("/rate", nothing)
 
-    async def hear(_: object) -> None: ...
+    async def receive(_: object) -> None: ...
 
     with pytest.raises(TypeError, match="the callback is async; write a plain function"):
-        await talker.watch_param("/rate", hear)  # type: ignore[arg-type]
+        await talker.watch_param("/rate", receive)  # type: ignore[arg-type]
 
 
 async def test_logs_format_values_as_rospy(talker: TypedGraph, listener: TypedGraph) -> None:
@@ -322,13 +322,13 @@ async def test_times_are_now_or_seconds(talker: TypedGraph, listener: TypedGraph
 async def test_callbacks_get_messages_until_closed(talker: TypedGraph, listener: TypedGraph) -> None:
     received: list[str] = []
 
-    def hear(message: Message) -> None:
+    def receive(message: Message) -> None:
         received.append(message.data)
         if message.data == "bad":
             raise ValueError
 
     publisher = await talker.publisher("/chatter", "std_msgs/String")
-    subscriber = await listener.subscriber("/chatter", "std_msgs/String", hear)
+    subscriber = await listener.subscriber("/chatter", "std_msgs/String", receive)
     assert await publisher.wait_for_subscriber(60)
     for text in ("one", "bad", "two"):
         publisher.publish(text)
@@ -339,7 +339,7 @@ async def test_callbacks_get_messages_until_closed(talker: TypedGraph, listener:
         while publisher.subscriber_count:
             await asyncio.sleep(0.005)
     with pytest.raises(UnknownTypeError):
-        await listener.subscriber("/chatter", "std_msgs/Strng", hear)
+        await listener.subscriber("/chatter", "std_msgs/Strng", receive)
 
 
 async def test_a_subscriber_with_an_illegal_name(listener: TypedGraph) -> None:
@@ -388,13 +388,13 @@ async def test_async_callbacks_are_awaited_one_after_the_other(
 ) -> None:
     received: list[str] = []
 
-    async def hear(message: Message) -> None:
+    async def receive(message: Message) -> None:
         received.append(f"{message.data} begins")
         await asyncio.sleep(0)
         received.append(f"{message.data} ends")
 
     publisher = await talker.publisher("/chatter", "std_msgs/String")
-    subscriber = await listener.subscriber("/chatter", "std_msgs/String", hear)
+    subscriber = await listener.subscriber("/chatter", "std_msgs/String", receive)
     assert await publisher.wait_for_subscriber(60)
     publisher.publish("one")
     publisher.publish("two")

@@ -207,10 +207,10 @@ def test_async_callbacks_and_handlers_are_refused(talker: rostether.sync.Graph) 
     with pytest.raises(TypeError, match="the callback must be a function, not None"):
         talker.subscriber("/chatter", "std_msgs/String", nothing)
 
-    async def hear(_: Message) -> None: ...
+    async def receive(_: Message) -> None: ...
 
     with pytest.raises(TypeError, match="write a plain function"):
-        talker.subscriber("/chatter", "std_msgs/String", hear)
+        talker.subscriber("/chatter", "std_msgs/String", receive)
 
     async def switch(_: Message) -> dict[str, bool]:
         return {"success": True}

@@ -196,7 +196,7 @@ def test_a_topic_without_publishers_is_reported(
     warned = threading.Event()
     warnings: list[str] = []
 
-    def hear(text: str) -> None:
+    def record(text: str) -> None:
         warnings.append(text)
         warned.set()
 
@@ -207,7 +207,7 @@ def test_a_topic_without_publishers_is_reported(
         call(graph, lambda: publisher.publish_raw([b"\x01"]))
 
     monkeypatch.setattr("rostether.cli.topic.ros1_echo.SILENCE_WARNING_S", 0.0)
-    monkeypatch.setattr("rostether.cli.topic.ros1_echo.warn", hear)
+    monkeypatch.setattr("rostether.cli.topic.ros1_echo.warn", record)
     speaking = in_background(speak)
     assert "data: True" in shell.output("topic", "echo", "-n", "1", "/quiet")
     speaking.join(60)

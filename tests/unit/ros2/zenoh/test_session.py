@@ -58,7 +58,7 @@ async def test_after_a_routers_restart_messages_arrive_once() -> None:
     assert "/talker" in (await talker.snapshot()).nodes
     problem = f"the zenoh router at tcp/127.0.0.1:{port} does not answer"
     await until(lambda: left.graph.snapshot().problem == problem)
-    publisher.publish_raw([string("nobody hears it")])
+    publisher.publish_raw([string("without a subscriber")])
 
     router = await open_session(port, is_router=True)
     await until(lambda: publisher.subscriber_count == 1 and subscriber.publisher_count == 1)

@@ -212,7 +212,7 @@ async def test_a_header_loses_only_its_sequence(session: ZenohSession) -> None:
 async def test_a_link_with_room_pauses_no_publisher(session: ZenohSession) -> None:
     node = await session.join("node")
     publisher = await node.advertise("/chat", STRING)
-    assert publisher.publish_raw([string("nobody hears it")] * 10_000)
+    assert publisher.publish_raw([string("without a subscriber")] * 10_000)
     await publisher.drained(0.0)
     assert publisher.dropped_count == 0
 
