@@ -21,6 +21,7 @@ A fleet without a key uses a key of zeros: the tag then detects damage, but not 
 from __future__ import annotations
 
 import hmac
+import ipaddress
 import struct
 from enum import IntFlag
 
@@ -45,6 +46,8 @@ _HEADER = struct.Struct("<2sBBIQIHH4s")
 _MAGIC = b"rC"
 _VERSION = 1
 HEADER_BYTES = _HEADER.size
+# The address and the port of the other robot, in the payload of a frame with the flag FORWARD.
+_FORWARD_TARGET = struct.Struct("!16sH")
 
 
 def type_kind(md5sum: str) -> bytes:
@@ -56,7 +59,7 @@ class Flags(IntFlag):
     """The request of a frame. QUERY requests the robot's status and changes nothing.
 
     With FORWARD, a query also asks the robot to send the query in its payload to another robot
-    (`forwarding`). A frame with none of ARMED, STOP, RELEASE and QUERY stops the robot; the sender keeps
+    (`encode_forward`). A frame with none of ARMED, STOP, RELEASE and QUERY stops the robot; the sender keeps
     control.
     """
 
@@ -121,3 +124,31 @@ def decode_frame(datagram: bytes, key: bytes) -> CommandFrame:
     return CommandFrame(
         target, epoch_us, sequence, Flags(flags), ttl_ms, kind, datagram[HEADER_BYTES:-TAG_BYTES]
     )
+
+
+def encode_forward(address: str, port: int, query: bytes) -> bytes:
+    """Return the payload of a frame with the flag FORWARD. Raises ValueError for a name as address.
+
+    A forwarded query shows whether two robots reach each other, which an access point may prevent.
+
+        bytes   field
+        0-15    address of the other robot: IPv6, or IPv4 as an IPv6 address (::ffff:a.b.c.d)
+        16-17   its port, big-endian
+        18-     the query, a framed command under the same key
+    """
+    parsed = ipaddress.ip_address(address)
+    mapped = parsed if parsed.version == 6 else ipaddress.IPv6Address(f"::ffff:{parsed}")
+    return _FORWARD_TARGET.pack(mapped.packed, port) + query
+
+
+def decode_forward(payload: bytes, key: bytes) -> tuple[str, int, bytes]:
+    """Return address, port and query. Raises RemoteProtocolError for anything that is not a query."""
+    if len(payload) < _FORWARD_TARGET.size:
+        raise RemoteProtocolError(f"{len(payload)} bytes are not an address and a query to forward")
+    packed, port = _FORWARD_TARGET.unpack_from(payload)
+    query = payload[_FORWARD_TARGET.size :]
+    # A robot sends nothing else for others: no command, and no bytes of their choice.
+    if decode_frame(query, key).flags & ~Flags.TO_GROUPS != Flags.QUERY:
+        raise RemoteProtocolError("only queries are forwarded")
+    parsed = ipaddress.IPv6Address(packed)
+    return str(parsed.ipv4_mapped or parsed), port, query

@@ -115,7 +115,7 @@ class CommandSender:
         return self._frame(Flags.QUERY)
 
     def forward(self, payload: bytes) -> bytes:
-        """Return a query that also asks the robot to query another one (see `forwarding.encode_forward`)."""
+        """Return a query that also asks the robot to query another one (see `encode_forward`)."""
         return self._frame(Flags.QUERY | Flags.FORWARD, payload)
 
     def _end_motion(self, flags: Flags, now_s: float) -> list[bytes]:

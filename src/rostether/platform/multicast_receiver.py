@@ -18,9 +18,8 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
-from rostether.platform.command_frame import Flags
+from rostether.platform.command_frame import Flags, decode_forward
 from rostether.platform.command_link import CommandReceiver, ReceiverSettings
-from rostether.platform.forwarding import decode_forward
 from rostether.platform.host_state import read_host, read_signal_dbm
 from rostether.platform.multicast_socket import (
     GroupAddress,

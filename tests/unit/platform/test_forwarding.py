@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from rostether.errors import RemoteProtocolError
+from rostether.platform.command_frame import decode_forward, encode_forward
 from rostether.platform.command_link import CommandSender, SenderSettings
-from rostether.platform.forwarding import decode_forward, encode_forward
 
 KEY = b"0123456789abcdef"
 SENDER = CommandSender(SenderSettings(3, to_groups=False, key=KEY), 1_000)
