@@ -8,8 +8,7 @@ from msgspec import Struct
 
 from rostether.mechanisms.text import listed
 from rostether.platform.command_channel import duplicate_text
-from rostether.platform.fleet_examination import Examination
-from rostether.platform.fleet_survey import ClockOffset
+from rostether.platform.fleet_examination import ClockOffset, Examination
 from rostether.platform.igmp_querier import QUERY_INTERVAL_S
 from rostether.platform.robot_table import MAX_LOSS, Robot, RobotKey, hosts_of_duplicate_ids
 
