@@ -41,15 +41,19 @@ class TomlTable:
     def _error_at(self, key_path: str, text: str) -> ConfigError:
         return ConfigError(f"{self._file}:{key_path}: {text}")
 
-    def table(self, key: str, *, known: Sequence[str]) -> TomlTable:
+    def table(self, key: str, *, known: Sequence[str] | None = None) -> TomlTable:
         """Return a nested table, empty if it is missing."""
         return TomlTable(self._file, self._at(key), self._content.get(key, {}), known=known)
 
     def tables(self, key: str, *, known: Sequence[str]) -> Iterator[tuple[str, TomlTable]]:
         """Yield the tables inside a nested table, with their keys."""
-        outer = TomlTable(self._file, self._at(key), self._content.get(key, {}), known=None)
-        for name, content in outer._content.items():
-            yield name, TomlTable(self._file, outer._at(name), content, known=known)
+        outer = self.table(key)
+        for name in outer._content:
+            yield name, outer.table(name, known=known)
+
+    def lines(self) -> dict[str, str]:
+        """Return all values of the table by key: each is one line of text."""
+        return {key: self.line(key) or "" for key in self._content}
 
     def check_name(self, name: str) -> None:
         """Check that the table's own key is a node name."""
@@ -61,6 +65,10 @@ class TomlTable:
         if value is None or (isinstance(value, str) and fits(value)):
             return value
         raise self.error(f"write {hint}, not {_show(value)}", key)
+
+    def line(self, key: str) -> str | None:
+        """Return a string without line ends."""
+        return self.text(key, _is_line, "one line of text in quotes")
 
     def texts(self, key: str, fits: Callable[[str], bool], hint: str) -> list[str]:
         """Return a list of strings that all fit."""
@@ -126,7 +134,7 @@ class TomlTable:
 
     def _entries(self, key: str) -> Iterator[tuple[str, object, str]]:
         """Yield keys, values and paths of a nested table."""
-        inner = TomlTable(self._file, self._at(key), self._content.get(key, {}), known=None)
+        inner = self.table(key)
         for name, value in inner._content.items():
             yield name, value, inner._at(name)
 
@@ -156,6 +164,10 @@ class TomlTable:
             return validate_name(value)
         except InvalidNameError as error:
             raise self._error_at(key_path, str(error)) from None
+
+
+def _is_line(text: str) -> bool:
+    return "\n" not in text and "\0" not in text
 
 
 def _is_name_pattern(text: str) -> bool:

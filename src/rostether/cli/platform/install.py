@@ -213,8 +213,7 @@ def _has_group(name: str) -> bool:
 
 def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
     from rostether.cli.platform.robot_check import check_robot, parse_robot
-    from rostether.platform.boot.machine import Machine, MachineKind
-    from rostether.platform.boot.robot_file import check_interface, read_robot_text
+    from rostether.platform.boot.robot_file import Machine, MachineKind, read_robot_text
 
     if (given := answers.given) is not None:
         text = read_robot_text(given)
@@ -232,8 +231,6 @@ def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
         core = _ask("Address of the base station")
     if not answers.machine and not answers.address and not interface:
         interface = _ask_interface()
-    if interface:
-        check_interface(interface)
     parts = {}
     for each in answers.parts:
         key, separator, words = each.partition("=")

@@ -1,26 +1,28 @@
-"""robot.toml: all programs of one machine of a robot, in one file."""
+"""robot.toml, which lists all programs of one machine of a robot: reads it, and writes a new one."""
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from enum import Enum
 from pathlib import Path
-from typing import Any
 
 from msgspec import Struct, field
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import read_failure
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text
+from rostether.ports.toml_table import TomlTable
 
 # More programs than a robot's computer runs; each is a process.
 MAX_PARTS = 64
 # Each line of a part's output begins with its name.
 MAX_NAME_CHARACTERS = 64
 _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_TOP = {"name", "master", "address", "interface", "environment", "parts"}
+_TOP = ("name", "master", "address", "interface", "environment", "parts")
 # The network interface of a robot, for its parts that send to groups.
 INTERFACE_VARIABLE = "ROSTETHER_INTERFACE"
 _VARIABLES = {
@@ -59,74 +61,115 @@ def parse_robot_file(text: str, file: str, commands: Collection[str]) -> RobotFi
 
     Each part's first argument must be in `commands`.
     """
-    content = parse_toml(text, file)
-    try:
-        return _robot(content, commands)
-    except ConfigError as error:
-        raise ConfigError(f"{file}: {error}") from None
-
-
-def check_interface(name: str) -> None:
-    """Raise ConfigError for a text that cannot be the name of a network interface."""
-    # Linux allows 15 bytes.
-    is_name = re.fullmatch(r"[^\s/,]+", name) is not None and len(os.fsencode(name)) <= 15
-    if not is_name or re.fullmatch(r"[\d.]+", name):
-        raise ConfigError(f"interface: {name!r:.80} is not the name of a network interface, such as wlan0")
-
-
-def _robot(content: Mapping[str, Any], commands: Collection[str]) -> RobotFile:
-    unknown = sorted(content.keys() - _TOP)
-    if unknown:
-        raise ConfigError(f"unknown key {unknown[0]!r}; known keys: {', '.join(sorted(_TOP))}")
-    environment = {
-        _checked_variable(name): _text(f"environment.{name}", value)
-        for name, value in _table("environment", content.get("environment", {})).items()
-    }
-    name = _text("name", content.get("name", ""))
+    root = TomlTable(file, "", parse_toml(text, file), known=_TOP)
+    variables = root.table("environment")
+    environment = variables.lines()
+    for variable in environment:
+        if not _VARIABLE.fullmatch(variable):
+            raise variables.error("not the name of a variable, such as ROS_LOG_DIR", variable)
     for variable, key in _VARIABLES.items():
-        if key in content:
-            environment[variable] = _text(key, content[key])
-    if interface := environment.get(INTERFACE_VARIABLE):
-        check_interface(interface)
-    parts = tuple(
-        _part(each, words, commands) for each, words in _table("parts", content.get("parts", {})).items()
-    )
+        if (value := root.line(key)) is not None:
+            environment[variable] = value
+    if not _is_interface(interface := environment.get(INTERFACE_VARIABLE, "")):
+        what = "the name of a network interface, such as wlan0"
+        raise root.error(f"write {what}, not {interface!r:.80}", "interface")
+    table = root.table("parts")
+    parts = tuple(_part(table, name, words, commands) for name, words in table.lines().items())
     if not parts:
-        raise ConfigError('no parts; add a table [parts] with a line such as boards = "serve"')
+        raise root.error('no parts; add a table [parts] with a line such as boards = "serve"', "parts")
     if len(parts) > MAX_PARTS:
-        raise ConfigError(f"at most {MAX_PARTS} parts are allowed, not {len(parts)}")
-    return RobotFile(name, environment, parts)
+        raise root.error(f"at most {MAX_PARTS} parts are allowed, not {len(parts)}", "parts")
+    return RobotFile(root.line("name") or "", environment, parts)
 
 
-def _checked_variable(name: str) -> str:
-    if not _VARIABLE.fullmatch(name):
-        raise ConfigError(f"environment: {name!r:.80} is not the name of a variable, such as ROS_LOG_DIR")
-    return name
+def _is_interface(name: str) -> bool:
+    """Return whether a text is empty, or can be the name of a network interface; an address cannot."""
+    # Linux allows 15 bytes.
+    is_short = len(os.fsencode(name)) <= 15
+    return is_short and re.fullmatch(r"[^\s/,]*", name) is not None and not re.fullmatch(r"[\d.]+", name)
 
 
-def _part(name: str, words: Any, commands: Collection[str]) -> Part:
+def _part(table: TomlTable, name: str, words: str, commands: Collection[str]) -> Part:
     if not name or len(name) > MAX_NAME_CHARACTERS or not name.isprintable():
-        raise ConfigError(
-            f"parts: a name has 1 to {MAX_NAME_CHARACTERS} printable characters, not {name!r:.80}"
-        )
+        raise table.error(f"a name has 1 to {MAX_NAME_CHARACTERS} printable characters, not {name!r:.80}")
     try:
-        split = shlex.split(_text(f"parts.{name}", words))
+        split = shlex.split(words)
     except ValueError as error:
-        raise ConfigError(f"parts.{name} must be a command line: {error}") from None
+        raise table.error(f"must be a command line: {error}", name) from None
     if split[:1] == ["rostether"]:
         split = split[1:]
     if not split or split[0] not in commands:
-        raise ConfigError(f'parts.{name} must be a rostether command, such as "serve /dev/ttyACM0"')
+        raise table.error('must be a rostether command, such as "serve /dev/ttyACM0"', name)
     return Part(name, tuple(split))
 
 
-def _text(key: str, value: Any) -> str:
-    if not isinstance(value, str) or "\n" in value or "\0" in value:
-        raise ConfigError(f"{key} must be one line of text in quotes")
-    return value
+# Robots must reach the base station's master, and phones must reach its dashboard.
+_REACHABLE = (
+    "# With --listen 0.0.0.0, other machines can use the master and the dashboard. To limit this, add",
+    "# --allow 192.168.1.0/24 to both, or --token SECRET to the dashboard.",
+)
 
 
-def _table(key: str, value: Any) -> Mapping[str, Any]:
-    if not isinstance(value, dict):
-        raise ConfigError(f"{key} must be a table: [{key}]")
-    return value
+class MachineKind(Enum):
+    """The purpose of a machine."""
+
+    BASE = "base"
+    ROBOT = "robot"
+    BOTH = "both"
+
+
+class Machine(Struct, frozen=True):
+    """The settings for a new robot.toml; `core` is the address of the base station's master.
+
+    Other machines reach this one at `address`, or at the network interface `interface`.
+    """
+
+    kind: MachineKind
+    name: str
+    core: str = ""
+    address: str = ""
+    interface: str = ""
+    boards: Sequence[str] = ()
+    parts: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def text(self) -> str:
+        """The content of the robot.toml."""
+        lines = [
+            "# What this machine runs: each part is a rostether command.",
+            f"name = {_quoted(self.name)}",
+        ]
+        if self.kind is MachineKind.ROBOT:
+            lines.append(f"master = {_quoted(_uri(self.core))}")
+        if self.address:
+            lines.append(f"address = {_quoted(self.address)}")
+        if self.interface:
+            lines.append(f"interface = {_quoted(self.interface)}")
+        lines += ["", *(() if self.kind is MachineKind.ROBOT else _REACHABLE), "[parts]"]
+        lines += [f"{_toml_key(name)} = {_quoted(words)}" for name, words in self._all_parts().items()]
+        return "\n".join(lines) + "\n"
+
+    def _all_parts(self) -> dict[str, str]:
+        parts = {}
+        if self.kind is not MachineKind.ROBOT:
+            parts["core"] = "core --listen 0.0.0.0"
+            parts["sensors"] = "role sensing-manager"
+            parts["dashboard"] = "dashboard --no-open --listen 0.0.0.0 --port 8765"
+        if self.kind is not MachineKind.BASE:
+            parts["boards"] = shlex.join(["serve", *self.boards])
+        return parts | dict(self.parts)
+
+
+def _uri(core: str) -> str:
+    if core.startswith("http://"):
+        return core
+    return f"http://{core}" if ":" in core else f"http://{core}:11311"
+
+
+def _toml_key(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)
+
+
+def _quoted(text: str) -> str:
+    # A JSON string is also a basic string of TOML, if DEL is escaped and no character is a surrogate pair.
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")

@@ -87,17 +87,17 @@ def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
     )
     wrong = tmp_path / "wrong.toml"
     wrong.write_text("[parts]\na = 'rm x'\n")
-    assert "parts.a must be a rostether command" in shell.failure("install", "--from", str(wrong), *place)
-    assert "parts.a must be a rostether command" in shell.failure("up", str(wrong))
+    assert "parts.a: must be a rostether command" in shell.failure("install", "--from", str(wrong), *place)
+    assert "parts.a: must be a rostether command" in shell.failure("up", str(wrong))
     wrong.write_bytes(b"\xff")
     assert f"{wrong}: not UTF-8 text at byte" in shell.failure("install", "--from", str(wrong), *place)
-    assert "'wlan0 eth0' is not the name of a network interface" in shell.failure(
+    assert "write the name of a network interface, such as wlan0, not 'wlan0 eth0'" in shell.failure(
         "install", "--machine", "both", "--name", "r", "--interface", "wlan0 eth0", *place
     )
     nested = tmp_path / "nested.toml"
     nested.write_text("[parts]\na = 'up robot.toml'\n")
-    assert "parts.a must be a rostether command" in shell.failure("up", str(nested))
-    assert "parts.a must be a rostether command" in shell.failure("install", "--from", str(nested), *place)
+    assert "parts.a: must be a rostether command" in shell.failure("up", str(nested))
+    assert "parts.a: must be a rostether command" in shell.failure("install", "--from", str(nested), *place)
     words = ("install", "--machine", "both", "--name", "r", "--board", "demo:")
     assert "the new robot.toml: parts.boards: unknown kind of link 'demo'" in shell.failure(*words, *place)
     assert not root.exists()

@@ -5,8 +5,14 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.platform.boot.machine import Machine, MachineKind
-from rostether.platform.boot.robot_file import Part, RobotFile, parse_robot_file, read_robot_text
+from rostether.platform.boot.robot_file import (
+    Machine,
+    MachineKind,
+    Part,
+    RobotFile,
+    parse_robot_file,
+    read_robot_text,
+)
 
 COMMANDS = {"serve", "core", "role", "dashboard"}
 
@@ -41,17 +47,26 @@ def test_a_robot() -> None:
     ("text", "reason"),
     [
         ("name = ", "not TOML"),
-        ("nmae = 'x'", "unknown key 'nmae'; known keys: address,"),
-        ("interface = 'wlan0,eth0'\n[parts]\na = 'core'", "interface: 'wlan0,eth0' is not the name of a"),
-        ("interface = '10.0.0.2'\n[parts]\na = 'core'", "is not the name of a network interface"),
-        ("name = 3", "name must be one line of text in quotes"),
+        ("nmae = 'x'", "robot.toml:nmae: unknown key; known: name, master, address,"),
+        (
+            "interface = 'wlan0,eth0'\n[parts]\na = 'core'",
+            "robot.toml:interface: write the name of a",
+        ),
+        (
+            "interface = '10.0.0.2'\n[parts]\na = 'core'",
+            "write the name of a network interface",
+        ),
+        ("name = 3", "robot.toml:name: write one line of text in quotes, not 3"),
         ("", r"no parts; add a table \[parts\]"),
-        ("parts = 3", r"parts must be a table"),
-        ("[parts]\na = 'rm -rf x'", "parts.a must be a rostether command"),
-        ("[parts]\na = ''", "parts.a must be a rostether command"),
+        ("parts = 3", "robot.toml:parts: must be a table, not 3"),
+        ("[parts]\na = 'rm -rf x'", "robot.toml:parts.a: must be a rostether command"),
+        ("[parts]\na = ''", "robot.toml:parts.a: must be a rostether command"),
         ("[parts]\n\"a\\u001b[31m\" = 'core'", "parts: a name has 1 to 64 printable characters"),
-        ("[environment]\n\"A=B\" = '1'\n[parts]\na = 'core'", "'A=B' is not the name of a variable"),
-        ('[parts]\na = "serve \'"', "parts.a must be a command line: No closing quotation"),
+        (
+            "[environment]\n\"A=B\" = '1'\n[parts]\na = 'core'",
+            "environment.'A=B': not the name of a variable",
+        ),
+        ('[parts]\na = "serve \'"', "robot.toml:parts.a: must be a command line: No closing quotation"),
         (
             "[parts]\n" + "".join(f"p{n} = 'core'\n" for n in range(65)),
             "at most 64 parts are allowed",
