@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError
+from rostether.transports.address_advice import check_typed_port
 from rostether.transports.address_parser import parse_address
 from rostether.transports.serial_port import SerialPort
-from rostether.transports.typed_port import check_typed_port
 
 PORTS = [SerialPort("/dev/ttyS0", "a port"), SerialPort("/dev/ttyACM7", "an Uno")]
 

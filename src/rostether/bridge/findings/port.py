@@ -6,11 +6,10 @@ import errno
 import sys
 
 from rostether.bridge.findings.finding import Code, Finding, error, split_step
-from rostether.transports.address_advice import WINDOWS_PORT
+from rostether.transports.address_advice import WINDOWS_PORT, meant_port
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder
 from rostether.transports.serial_errors import permission_problem
-from rostether.transports.typed_port import meant_port
 
 
 def port_findings(facts: PortFacts) -> list[Finding]:

@@ -14,10 +14,10 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.loopback import LOOPBACK, is_loopback
 from rostether.ros1.environment import RosEnvironment
 from rostether.transports.address import Address, TcpAddress, UdpAddress, WebAddress
+from rostether.transports.address_advice import check_typed_port
 from rostether.transports.address_parser import parse_address
 from rostether.transports.descriptors import shortage
 from rostether.transports.opening import list_serial_ports
-from rostether.transports.typed_port import check_typed_port
 
 if TYPE_CHECKING:
     import click

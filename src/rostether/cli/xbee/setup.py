@@ -11,8 +11,8 @@ from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.transports.address import DEFAULT_BAUD, SerialAddress
+from rostether.transports.address_advice import check_typed_port
 from rostether.transports.opening import list_serial_ports, open_transport
-from rostether.transports.typed_port import check_typed_port
 from rostether.transports.xbee.radio_address import is_long, parse_radio_address, show_radio_address
 from rostether.transports.xbee.set_up import BAUD_CODES, RadioSettings, set_up_radio
 
