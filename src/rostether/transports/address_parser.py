@@ -14,6 +14,7 @@ An empty host is loopback. Every address accepts `name=` and `ns=`, the board's 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.loopback import LOOPBACK
@@ -31,7 +32,6 @@ from rostether.transports.address import (
 )
 from rostether.transports.address_advice import MAX_PORT, WINDOWS_PORT, address_advice, is_number
 from rostether.transports.allow_list import check_networks
-from rostether.transports.sim_options import COMMAND_OPTIONS, sim_commands
 from rostether.transports.tls import TlsFiles
 from rostether.transports.xbee.radio_address import parse_radio_address
 
@@ -42,6 +42,28 @@ MAX_UART = 3
 # More seeds than anyone tries; the simulator reads numbers of 64 bits.
 MAX_SEED = 2**32 - 1
 
+# The options of a simulated board that are commands of that board.
+_SIM_COMMANDS = (
+    "adc",
+    "aref",
+    "attitude",
+    "autoreset",
+    "battery",
+    "fault",
+    "hcsr04",
+    "network",
+    "pin",
+    "range",
+    "servo",
+    "w5100",
+    "watch",
+    "wheels",
+)
+# Commands whose values are separated by spaces; those of the others are separated by commas.
+_SPACE_SEPARATED = ("adc", "attitude", "pin", "servo", "watch")
+# Commands whose values are settings such as A0=2.5.
+_WITH_SETTINGS = ("adc", "fault", "hcsr04", "pin", "w5100", "wheels")
+
 _COMMON_OPTIONS = ("name", "ns")
 _KNOWN_OPTIONS = {
     "serial": ("baud", "reset"),
@@ -50,7 +72,7 @@ _KNOWN_OPTIONS = {
     "udp": ("connect", "bind", "allow"),
     "pty": (),
     "xbee": ("baud", "peers"),
-    "sim": ("board", "baud", "uart", "seed", *COMMAND_OPTIONS),
+    "sim": ("board", "baud", "uart", "seed", *_SIM_COMMANDS),
     "web": (),
 }
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):(.*)", re.DOTALL)
@@ -95,7 +117,7 @@ def parse_address(text: str) -> Address:
             # Checked as for a serial port, but not used: a simulated UART has the sketch's baud rate.
             reader.baud()
             path, board = _require_path(text, rest), options.get("board", "uno")
-            commands = sim_commands(options)
+            commands = _sim_commands(options)
             return SimAddress(path, board, commands, reader.uart(), reader.seed(), name=name, ns=ns)
 
 
@@ -224,3 +246,20 @@ def _parse_endpoint(text: str, rest: str) -> tuple[str, int]:
     if any(character in "/[]" or character.isspace() for character in host):
         raise ConfigError(f"host {host!r} in link address {text!r} is not a host name; write HOST:PORT")
     return host or LOOPBACK, int(port_text)
+
+
+def _sim_commands(options: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the commands for a simulated board from an address's options, in the same order.
+
+    In an address `=` and `&` separate options, so a `=` within a value is written `:`, and a space as a
+    comma. `adc=A0:2.5,A1:1` is the command `adc A0=2.5 A1=1`, and `fault=to:flip:0.01,seed:3` is the command
+    `fault to:flip=0.01,seed=3`.
+    """
+    return tuple(_sim_command(key, value) for key, value in options.items() if key in _SIM_COMMANDS)
+
+
+def _sim_command(key: str, value: str) -> str:
+    parts = value.split(",")
+    if key in _WITH_SETTINGS:
+        parts = ["=".join(part.rsplit(":", 1)) for part in parts]
+    return f"{key} {(' ' if key in _SPACE_SEPARATED else ',').join(parts)}"
