@@ -10,8 +10,7 @@ import asyncio
 import time
 from collections.abc import Callable, Iterable
 
-from rostether.transports.allow_list import AllowList
-from rostether.transports.refusals import RefusalLog
+from rostether.transports.allow_list import AllowList, RefusalLog
 
 
 class Admission:
