@@ -1,4 +1,4 @@
-"""Finds other processes that have a serial port or a listening port open, as far as Linux shows them."""
+"""Finds other programs that use a serial port or a listening port, as far as Linux shows them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,10 @@ from msgspec import Struct
 _PTS = "/dev/pts/"
 # State of a listening socket in /proc/net/tcp.
 _LISTENING = "0A"
+# The folders of lock files such as `LCK..ttyUSB0`, in which minicom, gpsd and pppd store their process id.
+LOCK_FOLDERS = ("/run/lock", "/var/lock", "/run/lock/lockdev")
+# A process id and the name of a program.
+_MAX_LOCK_BYTES = 64
 
 
 class Holder(Struct, frozen=True):
@@ -125,3 +129,44 @@ def is_character_device(path: str) -> bool:
         return stat.S_ISCHR(Path(path).stat().st_mode)
     except OSError:
         return False
+
+
+def find_port_user(path: str) -> str | None:
+    """Return the program that uses a port, None if no program is found. Reading /proc takes some time.
+
+    Discovery asks this before it opens a port. Trying to open it is not enough: many programs set no lock,
+    and root can open a port in spite of a lock.
+    """
+    for holder in find_holders(path):
+        return str(holder)
+    for folder in LOCK_FOLDERS:
+        for name in {path, os.path.realpath(path)}:
+            pid = _read_lock(Path(folder) / f"LCK..{name.rpartition('/')[2]}")
+            if pid is not None and pid != os.getpid() and _is_running(pid):
+                return f"the program with PID {pid} (from its lock file)"
+    return None
+
+
+def _read_lock(path: Path) -> int | None:
+    try:
+        with path.open("rb") as file:
+            data = file.read(_MAX_LOCK_BYTES)
+    except OSError:
+        return None
+    # Text according to the standard, or four bytes from some old programs.
+    text = data.strip(b" \t\r\n\0")
+    if text[:10].split(b" ")[0].isdigit():
+        return int(text[:10].split(b" ")[0])
+    return int.from_bytes(data, "little") if len(data) == 4 else None
+
+
+def _is_running(pid: int) -> bool:
+    if pid <= 0:
+        return False
+    try:
+        os.kill(pid, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        return True  # another user's
+    return True

@@ -9,7 +9,7 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from rostether.bridge.ports.machine_ports import MachinePorts
+from rostether.bridge.ports.found_port import MachinePorts
 from rostether.device import Device
 from rostether.transports.address import SerialAddress
 from rostether.transports.serial import SerialTransport, open_serial

@@ -6,8 +6,7 @@ import asyncio
 import os
 from collections.abc import Awaitable, Callable, Sequence
 
-from rostether.bridge.ports.found_port import FoundPort
-from rostether.bridge.ports.machine_ports import THIS_MACHINE, MachinePorts
+from rostether.bridge.ports.found_port import THIS_MACHINE, FoundPort, MachinePorts
 from rostether.bridge.ports.open_attempts import ServeLink
 from rostether.bridge.reporter import Reporter
 from rostether.graph.ports import Level

@@ -11,9 +11,10 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Sequence
 
-from rostether.bridge.ports.machine_ports import MachinePorts
+from msgspec import Struct
+
 from rostether.bridge.ports.open_attempts import OpenAttempts, ServeLink
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
 from rostether.bridge.reporter import Reporter, shown_line
@@ -22,10 +23,13 @@ from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
 from rostether.ports.known_boards import KnownBoards
 from rostether.ports.port_policy import PortUse, identify
+from rostether.ports.port_watch import DEVICE_FOLDER
 from rostether.ports.settings import DeviceSettings
 from rostether.rosserial.baud_probe import BoardFound, NoBoard
 from rostether.transports.address import DEFAULT_BAUD, SerialAddress
-from rostether.transports.serial_port import SerialPort
+from rostether.transports.opening import list_serial_ports
+from rostether.transports.port_holders import find_port_user
+from rostether.transports.serial_port import ListPorts, SerialPort
 from rostether.transports.transport import Transport
 
 # Another program that tests a port uses it for a moment.
@@ -47,6 +51,28 @@ AFTER_LOSS_S = 0.1
 # Linux asserts DTR at the first opening; while it stays asserted, later openings reset no board. On other
 # systems it must be asserted at each opening.
 RESETS_AT_CLOSE = sys.platform != "linux"
+
+
+async def open_port(address: SerialAddress) -> TunableTransport:
+    """Open a serial port. Raises TransportOpenError, ConfigError."""
+    from rostether.transports.serial import open_serial  # imports serialx
+
+    return await open_serial(address)
+
+
+class MachinePorts(Struct, frozen=True):
+    """The access to serial ports: `list_ports` returns the system's list, `folders` show when it changes.
+
+    `find_port_user` names the other program that uses a port; it is called in a thread.
+    """
+
+    list_ports: ListPorts = list_serial_ports
+    folders: Sequence[str] = (DEVICE_FOLDER,)
+    open_port: Callable[[SerialAddress], Awaitable[TunableTransport]] = open_port
+    find_port_user: Callable[[str], str | None] = find_port_user
+
+
+THIS_MACHINE = MachinePorts()
 
 
 class FoundPort:

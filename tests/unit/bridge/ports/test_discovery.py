@@ -24,8 +24,8 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.devices_toml import parse_devices_toml
 from rostether.ports.known_boards import KnownBoards
-from rostether.ports.port_locks import find_port_user
 from rostether.transports.address_parser import parse_address
+from rostether.transports.port_holders import find_port_user
 from unit.bridge.doubles import RecordingReporter
 from unit.bridge.lateness import lateness
 from unit.bridge.machine import CH340, MODEM, UNO, Machine

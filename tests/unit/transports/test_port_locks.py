@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from rostether.ports import port_locks
-from rostether.ports.port_locks import find_port_user
+from rostether.transports import port_holders
+from rostether.transports.port_holders import find_port_user
 
 
 def test_the_use_by_this_program_does_not_count(tmp_path: Path) -> None:
@@ -35,7 +35,7 @@ def test_a_program_without_a_lock_is_found(tmp_path: Path) -> None:
 def test_a_lock_file_counts_while_its_program_runs(
     form: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))
+    monkeypatch.setattr(port_holders, "LOCK_FOLDERS", (str(tmp_path),))
     lock = tmp_path / "LCK..ttyACM0"
     lock.write_text(form.format(os.getppid()))
     assert f"PID {os.getppid()}" in (find_port_user("/dev/ttyACM0") or "")
@@ -50,6 +50,6 @@ def test_a_lock_file_counts_while_its_program_runs(
 def test_an_invalid_lock_file_is_ignored(
     content: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(port_locks, "LOCK_FOLDERS", (str(tmp_path),))
+    monkeypatch.setattr(port_holders, "LOCK_FOLDERS", (str(tmp_path),))
     (tmp_path / "LCK..ttyACM0").write_bytes(content)
     assert find_port_user("/dev/ttyACM0") is None
