@@ -9,9 +9,9 @@ from collections.abc import Callable
 from msgspec import Struct
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.findings.absence import absence
 from rostether.bridge.findings.finding import Code, Finding, error, split_step
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
+from rostether.bridge.findings.noise import absence
 from rostether.bridge.health.diagnostics import BoardView, view_board
 from rostether.bridge.reporter import SilentReporter
 from rostether.bridge.session import Session
