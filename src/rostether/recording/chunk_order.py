@@ -8,12 +8,11 @@ opened again when their next message is due.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from heapq import heappop, heappush
 from itertools import islice, pairwise
 
-from rostether.recording.compression import NONE, Buffer
-from rostether.recording.packed_chunks import MAX_LISTED_BYTES, StoredChunk, unpack_chunk
+from rostether.recording.compression import MAX_LISTED_BYTES, NONE, StoredChunk
 
 # The memory limit of open chunks; files in time order need one or a few at a time.
 MAX_OPEN_BYTES = 256 << 20
@@ -26,35 +25,6 @@ Entry = tuple[int, int, int, int]
 
 # A chunk's data, and a function that returns an iterator over its messages in file order.
 Unpacked = tuple[bytes | memoryview, Callable[[], Iterator[Entry]]]
-
-
-def messages_of(
-    view: memoryview,
-    chunks: Iterable[StoredChunk],
-    wanted: Set[int],
-    entries_of: Callable[[Buffer], Iterator[Entry]],
-    *,
-    start_ns: int | None = None,
-    end_ns: int | None = None,
-) -> Iterator[tuple[int, int, bytes]]:
-    """Yield the messages of the wanted connections of a file like `in_order`.
-
-    `view` is the whole file. `chunks` are sorted by the times of their first messages, and `entries_of` reads
-    an uncompressed chunk. Raises RecordingError.
-    """
-
-    def unpack(chunk: StoredChunk) -> Unpacked:
-        plain = unpack_chunk(view, chunk)
-        return plain, lambda: (entry for entry in entries_of(plain) if entry[3] in wanted)
-
-    needed = [
-        chunk
-        for chunk in chunks
-        if (chunk.numbers is None or not wanted.isdisjoint(chunk.numbers))
-        and (end_ns is None or chunk.start_ns <= end_ns)
-        and (start_ns is None or chunk.end_ns >= start_ns)
-    ]
-    return in_order(needed, unpack, start_ns=start_ns, end_ns=end_ns)
 
 
 def in_order(
@@ -118,18 +88,6 @@ def _close_except(opened: dict[int, _ChunkCursor], kept: int) -> int:
 
 class _ChunkCursor:
     """A cursor over the messages of a chunk; `time_ns` is the time of the current one."""
-
-    __slots__ = (
-        "_chunk",
-        "_entry",
-        "_items",
-        "_max_ns",
-        "_min_ns",
-        "_passed",
-        "_plain",
-        "_unpack",
-        "held_bytes",
-    )
 
     def __init__(
         self, chunk: StoredChunk, unpack: Callable[[StoredChunk], Unpacked], min_ns: int, max_ns: int

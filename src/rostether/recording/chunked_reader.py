@@ -9,10 +9,15 @@ from typing import Generic, NamedTuple, TypeVar
 from msgspec import Struct
 
 from rostether.errors import RecordingError
-from rostether.recording.chunk_order import Entry, messages_of
-from rostether.recording.compression import Buffer
-from rostether.recording.packed_chunks import StoredChunk, compression_shares
-from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage
+from rostether.recording.chunk_order import Entry, Unpacked, in_order
+from rostether.recording.compression import (
+    Buffer,
+    CompressionShare,
+    StoredChunk,
+    compression_shares,
+    unpack_chunk,
+)
+from rostether.recording.recorded import Connection, RecordedMessage
 from rostether.recording.regular_file import MappedFile
 
 # A text with this length gets no more reasons: every chunk may be damaged in a different way.
@@ -60,9 +65,14 @@ class ChunkedReader(Generic[ContentT]):
         return self._content.damage
 
     @property
+    def chunks(self) -> Sequence[StoredChunk]:
+        """The chunks, sorted by the times of their first messages."""
+        return self._content.chunks
+
+    @property
     def compressions(self) -> Sequence[CompressionShare]:
         """How the chunks are compressed, the most frequent first."""
-        return compression_shares(self._content.chunks)
+        return compression_shares(self.chunks)
 
     def close(self) -> None:
         """Close the file. Idempotent."""
@@ -76,16 +86,20 @@ class ChunkedReader(Generic[ContentT]):
         end_ns: int | None,
     ) -> Iterator[RecordedMessage]:
         """Yield the messages of connections by time; `entries_of` reads an uncompressed chunk."""
-        found = messages_of(
-            self._file.view,
-            self._content.chunks,
-            connections.keys(),
-            entries_of,
-            start_ns=start_ns,
-            end_ns=end_ns,
-        )
+
+        def unpack(chunk: StoredChunk) -> Unpacked:
+            plain = unpack_chunk(self._file.view, chunk)
+            return plain, lambda: (entry for entry in entries_of(plain) if entry[3] in connections)
+
+        needed = [
+            chunk
+            for chunk in self.chunks
+            if (chunk.numbers is None or not connections.keys().isdisjoint(chunk.numbers))
+            and (end_ns is None or chunk.start_ns <= end_ns)
+            and (start_ns is None or chunk.end_ns >= start_ns)
+        ]
         try:
-            for number, time_ns, payload in found:
+            for number, time_ns, payload in in_order(needed, unpack, start_ns=start_ns, end_ns=end_ns):
                 yield RecordedMessage(connections[number], time_ns, payload)
         except RecordingError as error:
             raise RecordingError(f"{self.path}: {error}; `rostether bag reindex` keeps the rest") from None

@@ -1,10 +1,12 @@
-"""Compresses and decompresses chunks: none, bz2, or LZ4 frames (extra `recording`)."""
+"""Chunks of messages in a file: compressed with bz2 or as LZ4 frames (extra `recording`), or not at all."""
 
 from __future__ import annotations
 
 import bz2
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
+
+from msgspec import Struct
 
 from rostether.errors import ConfigError, RecordingError
 from rostether.extras import install_command
@@ -28,8 +30,36 @@ MAX_UNPACKED_BYTES = 1 << 30
 # The largest ratio of unpacked size to file size, above MAX_UNPACKED_BYTES; 2 to 50 are usual.
 MAX_RATIO = 1000
 
+# Larger chunks are not copied: `chunk_order` reads them twice instead.
+MAX_LISTED_BYTES = 8 << 20
+
 # Signals are handled between steps; one step takes about 50 ms.
 _STEP_BYTES = 4 << 20
+
+
+class StoredChunk(Struct, frozen=True):
+    """The position of a chunk's data in its file, its uncompressed size, and the times of its messages.
+
+    `compression` is empty or "none" without compression. `numbers` are the connections or channels that have
+    messages in it, None if unknown.
+    """
+
+    data_start: int
+    data_end: int
+    compression: str
+    size_bytes: int
+    start_ns: int
+    end_ns: int
+    numbers: frozenset[int] | None
+
+
+class CompressionShare(Struct, frozen=True):
+    """The chunks of a file that are compressed in one way."""
+
+    name: str
+    chunk_count: int
+    size_bytes: int
+    compressed_bytes: int
 
 
 def check_compression(name: str) -> None:
@@ -79,6 +109,16 @@ def decompress(name: str, data: Buffer, size_bytes: int) -> Buffer:
     return plain
 
 
+def unpack_chunk(view: memoryview, chunk: StoredChunk) -> Buffer:
+    """Return the uncompressed data of a chunk of the file `view`.
+
+    Raises RecordingError if it is broken, and ConfigError if its compression is not installed.
+    """
+    plain = decompress(chunk.compression, view[chunk.data_start : chunk.data_end], chunk.size_bytes)
+    # Slicing bytes costs half as much as slicing a view.
+    return bytes(plain) if len(plain) <= MAX_LISTED_BYTES else plain
+
+
 def check_unpacked_size(unpacked_bytes: int, file_bytes: int) -> None:
     """Raise RecordingError if a file's chunks unpack to an implausible size."""
     if unpacked_bytes > max(MAX_UNPACKED_BYTES, MAX_RATIO * file_bytes):
@@ -86,6 +126,23 @@ def check_unpacked_size(unpacked_bytes: int, file_bytes: int) -> None:
             f"its {file_bytes} bytes would decompress to {unpacked_bytes}, more than {MAX_RATIO} times as "
             "many; it may be an attack, so it is not read"
         )
+
+
+def compression_shares(chunks: Iterable[StoredChunk]) -> list[CompressionShare]:
+    """Return how chunks are compressed, the most frequent first."""
+    by_name: dict[str, list[StoredChunk]] = {}
+    for chunk in chunks:
+        by_name.setdefault(chunk.compression or NONE, []).append(chunk)
+    shares = (
+        CompressionShare(
+            name,
+            len(packed),
+            sum(each.size_bytes for each in packed),
+            sum(each.data_end - each.data_start for each in packed),
+        )
+        for name, packed in by_name.items()
+    )
+    return sorted(shares, key=lambda share: -share.chunk_count)
 
 
 def _unpacked(name: str, data: Buffer, size_bytes: int) -> Buffer:

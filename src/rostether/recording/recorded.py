@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeAlias
 
 from msgspec import Struct
 
 from rostether.msgdef.interface import MessageType
+
+if TYPE_CHECKING:
+    from rostether.recording.compression import CompressionShare
 
 # The fields of a connection header that are attributes of a connection.
 _OWN_FIELDS = frozenset({"callerid", "md5sum", "message_definition", "reliability", "topic", "type"})
@@ -121,15 +124,6 @@ class RecordingWriter(Protocol):
 
     def close(self) -> None:
         """Write the index and close the file. Idempotent."""
-
-
-class CompressionShare(Struct, frozen=True):
-    """The chunks of a file that are compressed in one way."""
-
-    name: str
-    chunk_count: int
-    size_bytes: int
-    compressed_bytes: int
 
 
 class RecordingReader(Protocol):

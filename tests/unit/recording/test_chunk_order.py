@@ -9,7 +9,7 @@ import pytest
 
 from rostether.recording import chunk_order
 from rostether.recording.chunk_order import Entry, Unpacked, in_order
-from rostether.recording.packed_chunks import StoredChunk
+from rostether.recording.compression import StoredChunk
 
 
 class _Chunk(StoredChunk, frozen=True):

@@ -9,7 +9,17 @@ from rostether.errors import RecordingError
 from rostether.msgdef.registry import Registry
 from rostether.recording import compression
 from rostether.recording.checking import check
-from rostether.recording.compression import BZ2, LZ4, ZSTD, check_unpacked_size, compress, decompress
+from rostether.recording.compression import (
+    BZ2,
+    LZ4,
+    ZSTD,
+    StoredChunk,
+    check_unpacked_size,
+    compress,
+    compression_shares,
+    decompress,
+    unpack_chunk,
+)
 from rostether.recording.files import create_recording, open_recording
 from unit.recording.bags import connection, text
 
@@ -98,3 +108,22 @@ def test_signals_are_handled_between_two_steps(monkeypatch: pytest.MonkeyPatch) 
     assert len(decompress(BZ2, stored, size)) == size
     assert max(sizes) <= STEP_BYTES
     assert len(sizes) >= 5
+
+
+def _stored(compression: str, size_bytes: int, start: int, end: int) -> StoredChunk:
+    return StoredChunk(start, end, compression, size_bytes, 0, 0, None)
+
+
+def test_a_chunk_is_unpacked_from_its_position() -> None:
+    plain = b"ab" * 50
+    stored = compress(LZ4, plain)
+    view = memoryview(b"xx" + stored + plain)
+    end = 2 + len(stored)
+    assert unpack_chunk(view, _stored(LZ4, 100, 2, end)) == plain
+    assert unpack_chunk(view, _stored("", 100, end, end + 100)) == plain
+
+
+def test_shares_are_listed_most_frequent_first() -> None:
+    chunks = [_stored("lz4", 100, 0, 10), _stored("", 5, 10, 15), _stored("none", 7, 15, 22)]
+    shares = compression_shares(chunks)
+    assert [(each.name, each.chunk_count) for each in shares] == [("none", 2), ("lz4", 1)]

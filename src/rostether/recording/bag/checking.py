@@ -9,7 +9,7 @@ from rostether.mechanisms.text import counted
 from rostether.recording.bag.chunks import BagChunk, messages_in
 from rostether.recording.bag.content import read_content
 from rostether.recording.bag.records import Op, op_of, read_record, time_field, u32_field
-from rostether.recording.compression import Buffer, decompress
+from rostether.recording.compression import Buffer, unpack_chunk
 from rostether.recording.time_order import TimeOrder
 from rostether.rostime import NS_PER_S
 
@@ -42,8 +42,7 @@ def _chunk_faults(data: Buffer, chunk: BagChunk, order: TimeOrder) -> list[str]:
     counts: dict[int, int] = {}
     first, last = 1 << 64, -1
     try:
-        stored = memoryview(data)[chunk.data_start : chunk.data_end]
-        plain = decompress(chunk.compression, stored, chunk.size_bytes)
+        plain = unpack_chunk(memoryview(data), chunk)
         for time_ns, _, _, number in messages_in(plain):
             counts[number] = counts.get(number, 0) + 1
             first, last = min(first, time_ns), max(last, time_ns)

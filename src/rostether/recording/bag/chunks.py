@@ -20,8 +20,7 @@ from rostether.recording.bag.records import (
 )
 from rostether.recording.chunk_order import Entry
 from rostether.recording.chunked_reader import ChunkedContent
-from rostether.recording.compression import Buffer
-from rostether.recording.packed_chunks import StoredChunk
+from rostether.recording.compression import Buffer, StoredChunk
 from rostether.recording.recorded import Connection
 
 # Ten times the connections of a fleet in a day; a compressed chunk could define millions in a few bytes.

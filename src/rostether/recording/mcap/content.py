@@ -12,7 +12,13 @@ from msgspec.structs import replace
 from rostether.errors import RecordingError
 from rostether.recording.chunk_order import Entry
 from rostether.recording.chunked_reader import ChunkedContent, tally
-from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size
+from rostether.recording.compression import (
+    MAX_CHUNK_BYTES,
+    Buffer,
+    StoredChunk,
+    check_unpacked_size,
+    unpack_chunk,
+)
 from rostether.recording.mcap.decoding import (
     check_header,
     decode_channel,
@@ -32,13 +38,11 @@ from rostether.recording.mcap.records import (
     U32,
     U64,
     Channel,
-    Chunk,
     ChunkIndex,
     Op,
     Schema,
     Statistics,
 )
-from rostether.recording.packed_chunks import StoredChunk, unpack_chunk
 
 # The limit for all schemas and channels, a few KB each: a compressed chunk could define gigabytes of them.
 MAX_DEFINITION_BYTES = 256 << 20
@@ -154,19 +158,7 @@ def _indexed(data: Buffer, index: ChunkIndex) -> StoredChunk:
     if op != Op.CHUNK:
         raise RecordingError("there is no chunk at a position in its index")
     numbers = frozenset(index.indexes) if index.indexes else None
-    return _stored(decode_chunk(data, start, end), numbers)
-
-
-def _stored(chunk: Chunk, numbers: frozenset[int] | None) -> StoredChunk:
-    return StoredChunk(
-        chunk.data_start,
-        chunk.data_end,
-        chunk.compression,
-        chunk.size_bytes,
-        chunk.start_ns,
-        chunk.end_ns,
-        numbers,
-    )
+    return replace(decode_chunk(data, start, end), numbers=numbers)
 
 
 def search(data: Buffer, damage: str) -> McapContent:
@@ -245,7 +237,7 @@ class _LooseMessages:
 
 def _add_record(content: McapContent, data: Buffer, op: int, start: int, end: int) -> None:
     if op == Op.CHUNK:
-        _add_found(content, data, _stored(decode_chunk(data, start, end), None))
+        _add_found(content, data, decode_chunk(data, start, end))
     elif op in (Op.SCHEMA, Op.CHANNEL):
         content.define(op, data, start, end)
     elif op == Op.HEADER:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from msgspec import Struct, field
 
 from rostether.errors import RecordingError
-from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size, decompress
+from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size, unpack_chunk
 from rostether.recording.mcap.content import McapContent
 from rostether.recording.mcap.decoding import (
     decode_channel,
@@ -92,8 +92,7 @@ class DataCheck:
             # The summary may omit chunks.
             check_unpacked_size(self._packed_bytes, len(data))
         try:
-            stored = memoryview(data)[chunk.data_start : chunk.data_end]
-            plain = decompress(chunk.compression, stored, chunk.size_bytes)
+            plain = unpack_chunk(memoryview(data), chunk)
         except RecordingError as error:
             self._report(f"{where}: {error}")
             return found

@@ -120,7 +120,7 @@ def decode_chunk(data: Buffer, start: int, end: int) -> Chunk:
     start_ns, end_ns, size_bytes, crc = fields.unpack(CHUNK_HEAD)
     compression = fields.text()
     stored = fields.part(U64)
-    return Chunk(start_ns, end_ns, size_bytes, crc, compression, stored.position, stored.end)
+    return Chunk(stored.position, stored.end, compression, size_bytes, start_ns, end_ns, None, crc)
 
 
 def decode_message_index(data: Buffer, start: int, end: int) -> tuple[int, Iterator[tuple[int, int]]]:

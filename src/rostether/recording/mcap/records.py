@@ -16,6 +16,8 @@ from enum import IntEnum
 
 import msgspec
 
+from rostether.recording.compression import StoredChunk
+
 MAGIC = b"\x89MCAP0\r\n"
 
 
@@ -76,16 +78,10 @@ class Channel(msgspec.Struct, frozen=True):
     metadata: Mapping[str, str]
 
 
-class Chunk(msgspec.Struct, frozen=True):
-    """A chunk; `data_start` and `data_end` are the positions of its stored records in the file."""
+class Chunk(StoredChunk, frozen=True):
+    """A chunk; `crc` is the checksum of its uncompressed records, 0 without one."""
 
-    start_ns: int
-    end_ns: int
-    size_bytes: int
     crc: int
-    compression: str
-    data_start: int
-    data_end: int
 
 
 class ChunkIndex(msgspec.Struct, frozen=True):

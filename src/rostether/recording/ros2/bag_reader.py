@@ -10,10 +10,10 @@ from functools import partial
 from pathlib import Path
 
 from rostether.errors import RecordingError
-from rostether.recording.compression import zstandard_package
+from rostether.recording.compression import CompressionShare, compression_shares, zstandard_package
 from rostether.recording.file_lock import ACTIVE_SUFFIX
 from rostether.recording.mcap.reader import McapReader
-from rostether.recording.recorded import CompressionShare, Connection, RecordedMessage, Wanted, merged
+from rostether.recording.recorded import Connection, RecordedMessage, Wanted, merged
 from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.recording.ros2.metadata import FILE_NAME, Metadata, read_metadata
 
@@ -75,8 +75,7 @@ class Ros2BagReader:
         """How many messages each connection has."""
         counts: Counter[Connection] = Counter()
         for each in self._files:
-            for connection, count in each.counts.items():
-                counts[connection] += count
+            counts.update(each.counts)
         return counts
 
     @property
@@ -93,16 +92,7 @@ class Ros2BagReader:
     @property
     def compressions(self) -> Sequence[CompressionShare]:
         """How the chunks are compressed, the most frequent first."""
-        shares: dict[str, CompressionShare] = {}
-        for each in (share for file in self._files for share in file.compressions):
-            known = shares.get(each.name, CompressionShare(each.name, 0, 0, 0))
-            shares[each.name] = CompressionShare(
-                each.name,
-                known.chunk_count + each.chunk_count,
-                known.size_bytes + each.size_bytes,
-                known.compressed_bytes + each.compressed_bytes,
-            )
-        return sorted(shares.values(), key=lambda share: -share.chunk_count)
+        return compression_shares(chunk for each in self._files for chunk in each.chunks)
 
     def messages(
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None

@@ -10,8 +10,8 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import first_line, read_failure
 from rostether.msgdef.full_text import MAX_FULL_TEXT_CHARACTERS
+from rostether.recording.compression import CompressionShare, StoredChunk
 from rostether.recording.recorded import (
-    CompressionShare,
     Connection,
     RecordedMessage,
     Ros2Origin,
@@ -35,13 +35,14 @@ class Db3Reader:
     """
 
     format_version = "rosbag2 (sqlite3)"
+    chunks: Sequence[StoredChunk] = ()
+    compressions: Sequence[CompressionShare] = ()
 
     def __init__(
         self, path: Path, *, is_native: bool = False, unpack: Callable[[bytes], bytes] | None = None
     ) -> None:
         self.path = path
         self.damage = ""
-        self.compressions: Sequence[CompressionShare] = ()
         self._unpack = unpack
         self._topics = RecordedTopics(is_native=is_native)
         self._connections: dict[int, Connection] = {}
