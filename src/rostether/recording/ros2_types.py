@@ -1,31 +1,17 @@
-"""The types of ROS 2 recordings, from the definitions in the files, and the conversion of their messages."""
+"""The definitions of types in ROS 2 recordings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
-from msgspec import Struct
-from msgspec.structs import replace
-
-from rostether.errors import DefinitionError, RostetherError, UnknownTypeError
-from rostether.msgdef.full_text import SEPARATOR, split_full_text
-from rostether.msgdef.interface import MessageType
-from rostether.msgdef.registry import Registry
+from rostether.msgdef.full_text import split_full_text
 from rostether.msgdef.ros2.action_parts import ActionParts
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import parse_message
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
-from rostether.msgdef.ros2.to_ros1 import as_ros1_specs, ros1_name
-from rostether.msgdef.spec import MessageSpec
 from rostether.recording.recorded import Ros2Origin
-from rostether.ros2.types.native_registry import NativeRegistry
-from rostether.ros2.types.native_types import NativeTypes
-from rostether.ros2.types.type_support import MessageSupport, Ros2Types
 
 ROS2MSG = "ros2msg"
-
-_STAMPS = {"builtin_interfaces/Time": "time", "builtin_interfaces/Duration": "duration"}
-
 
 class RecordedDefinitions(Ros2Definitions):
     """The definitions of a recording; missing ones are those of `others`, by default of the environment.
@@ -81,84 +67,3 @@ class RecordedDefinitions(Ros2Definitions):
     def has(self, name: str) -> bool:
         """Return whether a message or service is known."""
         return name in self._texts or self._others.has(name)
-
-
-class ReadType(Struct, frozen=True):
-    """A type to read: its ROS 1 type, and the conversion from CDR (raises SerializationError)."""
-
-    type: MessageType
-    from_cdr: Callable[[bytes], bytes]
-
-
-class ReadTypes:
-    """The types of one recording, in the form of ROS 1, or, with `is_native`, natively.
-
-    Native types have the fields of ROS 2, so that a conversion back to CDR loses nothing.
-    """
-
-    def __init__(self, *, is_native: bool) -> None:
-        self._is_native = is_native
-        self._definitions: Ros2Definitions | None = None
-        self._registry: Registry | None = None
-        self._found: dict[tuple[str, str, str], ReadType] = {}
-
-    def of(self, origin: Ros2Origin) -> ReadType:
-        """Return a topic's type. Raises UnknownTypeError, DefinitionError, TypeMismatchError."""
-        key = (origin.type_name, origin.encoding, origin.definition)
-        found = self._found.get(key)
-        if found is None:
-            support = self._find(origin)
-            found = self._found[key] = ReadType(support.ros1_type, support.converter.from_cdr)
-        return found
-
-    def _find(self, origin: Ros2Origin) -> MessageSupport:
-        if self._definitions is None or self._registry is None:
-            self._definitions = Ros2Definitions.from_environment()
-            self._registry = Registry.from_environment()
-        # Separate definitions: another topic of the recording may use the same name for another type.
-        definitions = RecordedDefinitions(self._definitions)
-        definitions.learn(origin)
-        if self._is_native:
-            return NativeTypes(NativeRegistry(definitions, self._registry)).by_name(origin.type_name)
-        types = Ros2Types(self._registry, definitions)
-        try:
-            self._registry.message_type(ros1_name(origin.type_name))
-        except DefinitionError:
-            # Definitions of a workspace may be those of ROS 2, with bounds that ROS 1 cannot express.
-            try:
-                return types.message(as_ros1_type(definitions.message(origin.type_name), definitions))
-            except RostetherError:
-                pass
-        return types.by_name(origin.type_name)
-
-
-def as_ros1_type(message: Ros2Message, definitions: Ros2Definitions) -> MessageType:
-    """Return a ROS 2 type as a ROS 1 type: stamps become `time`, and Header becomes that of ROS 1.
-
-    Raises UnknownTypeError, and DefinitionError for a type that ROS 1 cannot express.
-    """
-    registry = Registry()
-    own, *below = as_ros1_specs(message, definitions)
-    parts = [
-        f"{SEPARATOR}\nMSG: {each.full_name}\n{_text(each)}"
-        for each in below
-        if each.full_name not in _STAMPS and not _is_known(registry, each.full_name)
-    ]
-    registry.add_full_text(own.full_name, "\n".join([_text(own), *parts]))
-    return registry.message_type(own.full_name)
-
-
-def _text(spec: MessageSpec) -> str:
-    lines = [f"{each.type} {each.name}={each.text}" for each in spec.constants]
-    for field in spec.fields:
-        kind = replace(field.type, base=_STAMPS.get(field.type.base, field.type.base))
-        lines.append(f"{kind} {field.name}")
-    return "\n".join(lines)
-
-
-def _is_known(registry: Registry, name: str) -> bool:
-    try:
-        registry.message(name)
-    except UnknownTypeError:
-        return False
-    return True

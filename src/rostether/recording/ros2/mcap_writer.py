@@ -33,7 +33,6 @@ class Ros2McapWriter(McapWriter):
         super().__init__(path, compression=compression, chunk_bytes=chunk_bytes)
         self._ros2_channels = Ros2Channels(types, unfit)
         self._on_close = on_close
-        self._of_connection: dict[Connection, int] = {}
 
     def schema_of(self, connection: Connection) -> tuple[str, str, bytes]:
         """Return name, encoding and definition of a connection's type."""
@@ -50,14 +49,11 @@ class Ros2McapWriter(McapWriter):
 
         Raises RecordingError if ROS 2 has no such type, or beyond 65535 topics.
         """
-        number = self._of_connection.get(connection)
-        if number is None:
-            known = len(self._ros2_channels.channels)
-            channel = self._ros2_channels.channel(connection)
-            if channel.number > known:
-                super().add_connection(connection)
-            number = self._of_connection[connection] = channel.number
-        return number
+        known = len(self._ros2_channels.channels)
+        channel = self._ros2_channels.channel(connection)
+        if channel.number > known:
+            super().add_connection(connection)
+        return channel.number
 
     def write(self, number: int, time_ns: int, payloads: Sequence[bytes]) -> None:
         """Write messages that arrived at the same time. Raises RecordingError if the disk rejects them."""
