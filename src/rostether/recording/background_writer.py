@@ -132,8 +132,7 @@ class BackgroundWriter:
         is_broken = False
         while True:
             with self._changed:
-                while not (self._waiting or self._is_flushing or self._is_ending):
-                    self._changed.wait()
+                self._changed.wait_for(lambda: self._waiting or self._is_flushing or self._is_ending)
                 batch = self._waiting.popleft() if self._waiting else None
                 is_flushing = batch is None and self._is_flushing
                 if is_flushing:

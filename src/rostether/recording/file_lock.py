@@ -8,7 +8,6 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 
 from rostether.errors import RecordingError
 from rostether.recording.regular_file import sqlite_logs
@@ -17,7 +16,7 @@ from rostether.recording.regular_file import sqlite_logs
 ACTIVE_SUFFIX = ".active"
 
 
-class FileLock:
+class FileLock(contextlib.AbstractContextManager["FileLock"]):
     """Locks a file for writing until `release`; a missing file is created.
 
     Without file locks (Windows, some network file systems), or if the file is not writable, it does nothing.
@@ -38,13 +37,7 @@ class FileLock:
             self.path.unlink(missing_ok=True)
         os.close(file)
 
-    def __enter__(self) -> FileLock:
-        """Return the lock, which is released at the end of the block."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         """Release the lock."""
         self.release()
 

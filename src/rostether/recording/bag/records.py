@@ -103,27 +103,25 @@ def op_of(fields: Fields) -> int:
 
 def u32_field(fields: Fields, name: bytes) -> int:
     """Return a uint32 field. Raises RecordingError if it is missing."""
-    value = fields.get(name, b"")
-    if len(value) != 4:
-        raise RecordingError(f"a record's header has no number in the field {name.decode()}")
-    return int(U32.unpack(value)[0])
+    return _unpacked(fields, name, U32, "number")[0]
 
 
 def u64_field(fields: Fields, name: bytes) -> int:
     """Return a uint64 field. Raises RecordingError if it is missing."""
-    value = fields.get(name, b"")
-    if len(value) != 8:
-        raise RecordingError(f"a record's header has no number in the field {name.decode()}")
-    return int(U64.unpack(value)[0])
+    return _unpacked(fields, name, U64, "number")[0]
 
 
 def time_field(fields: Fields, name: bytes) -> int:
     """Return a time field in nanoseconds. Raises RecordingError if it is missing."""
+    secs, nsecs = _unpacked(fields, name, U32_PAIR, "time")
+    return secs * NS_PER_S + nsecs
+
+
+def _unpacked(fields: Fields, name: bytes, form: struct.Struct, noun: str) -> tuple[int, ...]:
     value = fields.get(name, b"")
-    if len(value) != 8:
-        raise RecordingError(f"a record's header has no time in the field {name.decode()}")
-    secs, nsecs = U32_PAIR.unpack(value)
-    return int(secs * NS_PER_S + nsecs)
+    if len(value) != form.size:
+        raise RecordingError(f"a record's header has no {noun} in the field {name.decode()}")
+    return form.unpack(value)
 
 
 def encode_time(time_ns: int) -> bytes:

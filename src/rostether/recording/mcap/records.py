@@ -135,17 +135,8 @@ def encode_numbers(values: Mapping[int, int]) -> bytes:
 
 def encode_statistics(statistics: Statistics) -> bytes:
     """Return the record of statistics."""
-    head = STATISTICS.pack(
-        statistics.message_count,
-        statistics.schema_count,
-        statistics.channel_count,
-        statistics.attachment_count,
-        statistics.metadata_count,
-        statistics.chunk_count,
-        statistics.start_ns,
-        statistics.end_ns,
-    )
-    return encode_record(Op.STATISTICS, head + encode_numbers(statistics.counts))
+    *numbers, counts = msgspec.structs.astuple(statistics)
+    return encode_record(Op.STATISTICS, STATISTICS.pack(*numbers) + encode_numbers(counts))
 
 
 def encode_chunk_index(index: ChunkIndex) -> bytes:

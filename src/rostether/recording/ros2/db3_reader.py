@@ -97,17 +97,13 @@ class Db3Reader:
     ) -> Iterator[RecordedMessage]:
         """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         connections = wanted_connections(self._connections, wanted)
-        query = "SELECT topic_id, timestamp, data FROM messages"
-        limits = [each for each in (start_ns, end_ns) if each is not None]
-        conditions = [
-            text
-            for text, each in (("timestamp >= ?", start_ns), ("timestamp <= ?", end_ns))
-            if each is not None
-        ]
-        if conditions:
-            query += f" WHERE {' AND '.join(conditions)}"
+        query = (
+            "SELECT topic_id, timestamp, data FROM messages"
+            " WHERE timestamp BETWEEN ? AND ? ORDER BY timestamp, id"
+        )
+        span_ns = (-1 << 63 if start_ns is None else start_ns, (1 << 63) - 1 if end_ns is None else end_ns)
         try:
-            for number, time_ns, data in self._database.execute(f"{query} ORDER BY timestamp, id", limits):
+            for number, time_ns, data in self._database.execute(query, span_ns):
                 connection = connections.get(number)
                 if connection is None or not isinstance(data, bytes) or not isinstance(time_ns, int):
                     continue
