@@ -13,6 +13,7 @@ from rostether.recording.recorded import Ros2Origin
 
 ROS2MSG = "ros2msg"
 
+
 class RecordedDefinitions(Ros2Definitions):
     """The definitions of a recording; missing ones are those of `others`, by default of the environment.
 

@@ -106,8 +106,8 @@ def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tu
 
 async def _simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:
     from rostether.simulation.xbee.air import AirConditions
-    from rostether.simulation.xbee.models import MODELS
     from rostether.simulation.xbee.network import XbeeNetwork
+    from rostether.simulation.xbee.registers import MODELS
     from rostether.transports.address import PtyAddress
     from rostether.transports.pty import open_pty
 

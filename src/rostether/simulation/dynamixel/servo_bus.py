@@ -24,7 +24,6 @@ class ServoBus:
     def __init__(self, ids: Sequence[int], clock: Callable[[], float]) -> None:
         self.servos = {servo_id: Servo(servo_id, clock()) for servo_id in ids}
         self.damage: Callable[[bytes], bytes] | None = None
-
         self._clock = clock
         self._reader = PacketReader()
 
@@ -40,14 +39,14 @@ class ServoBus:
         for packet in self._reader.feed(data):
             if packet.instruction == Instruction.STATUS:
                 continue
-
             self.advance()
             for reply in self._handle_packet(packet, self._clock()):
                 answer += reply if self.damage is None else self.damage(reply)
         return answer
 
     def _handle_packet(self, packet: Packet, now_s: float) -> list[bytes]:
-        listening = [servo for servo in self._in_id_order() if not servo.is_restarting(now_s)]
+        listening = [each for each in self.servos.values() if not each.is_restarting(now_s)]
+        listening.sort(key=lambda servo: servo.id)
         if packet.id == BROADCAST_ID:
             for servo in listening:
                 servo.restart_watchdog(now_s)
@@ -93,9 +92,6 @@ class ServoBus:
             if servo is not None:
                 # Servos do not answer it: a refused value changes nothing.
                 servo.write(address, parameters[start + 1 : start + 1 + size])
-
-    def _in_id_order(self) -> list[Servo]:
-        return sorted(self.servos.values(), key=lambda servo: servo.id)
 
 
 def _status(servo_id: int, error: int, data: bytes) -> bytes:

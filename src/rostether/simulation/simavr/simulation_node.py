@@ -169,13 +169,10 @@ class SimulationNode:
 
     async def _follow_servos(self) -> None:
         async for event in self._board.events():
-            self._record_event(event)
-
-    def _record_event(self, event: BoardEvent) -> None:
-        if event.name == "servo":
-            self._servos[event["pin"]] = round(float(event["angle_deg"]), 1)
-        elif event.name == "reset":
-            self._servos.clear()
+            if event.name == "servo":
+                self._servos[event["pin"]] = round(float(event["angle_deg"]), 1)
+            elif event.name == "reset":
+                self._servos.clear()
 
     async def _execute_commands(self) -> None:
         async with aclosing(aiter(self._graph.messages("~command", STRING))) as messages:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from types import TracebackType
 from typing import Any, Self
 
 from rostether.device.device import Device
@@ -18,7 +17,7 @@ _UNO = DeviceLinkConfig(
 )
 
 
-class CountingBoard:
+class CountingBoard(Device):
     """Publishes a counter on `NAME/count` (std_msgs/UInt32); `NAME/led` (std_msgs/Bool) switches its LED.
 
     `published` and `led_changes` are counts since the start.
@@ -27,34 +26,27 @@ class CountingBoard:
     def __init__(
         self, name: str, transport: Transport, *, rate_hz: float, store: TypeStore | None = None
     ) -> None:
+        super().__init__(transport, config=_UNO, store=store)
         self.name = name
         self.published = 0
         self.led_changes = 0
         self.is_lit = False
         self._period_s = 1 / rate_hz
-        self._device = Device(transport, config=_UNO, store=store)
-        self._count = self._device.publisher(f"{name}/count", "std_msgs/UInt32")
-        self._device.subscriber(f"{name}/led", "std_msgs/Bool", self._switch)
+        self._count = self.publisher(f"{name}/count", "std_msgs/UInt32")
+        self.subscriber(f"{name}/led", "std_msgs/Bool", self._switch)
         self._counting: asyncio.Task[None] | None = None
-
-    @property
-    def is_connected(self) -> bool:
-        """Whether a host has requested its topics and still answers."""
-        return self._device.connected
 
     async def __aenter__(self) -> Self:
         """Start counting."""
-        await self._device.__aenter__()
+        await super().__aenter__()
         self._counting = asyncio.get_running_loop().create_task(self._run())
         return self
 
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    async def close(self) -> None:
         """Stop counting, and close the device."""
         if self._counting is not None:
             await cancel_all(self._counting)
-        await self._device.close()
+        await super().close()
 
     async def _run(self) -> None:
         while True:

@@ -7,9 +7,9 @@ host ── serial port ── radio ── air ── radio ── serial port 
 from __future__ import annotations
 
 from rostether.simulation.xbee.air import Air, AirConditions
-from rostether.simulation.xbee.models import BAUD_RATES, SERIES_1, Model
 from rostether.simulation.xbee.radio import SimulatedRadio
 from rostether.simulation.xbee.radio_port import RadioPort
+from rostether.simulation.xbee.registers import BAUD_RATES, SERIES_1, Model
 from rostether.transports.transport import Transport
 
 # Serial numbers from here on belong to the manufacturer, Digi.

@@ -14,8 +14,7 @@ from collections import deque
 from msgspec import Struct
 
 from rostether.simulation.xbee.command_mode import CommandMode
-from rostether.simulation.xbee.models import BAUD_RATES, Model
-from rostether.simulation.xbee.registers import Registers
+from rostether.simulation.xbee.registers import BAUD_RATES, Model, Registers
 from rostether.simulation.xbee.remote_command import (
     NOT_SENT,
     REQUEST_BYTES,

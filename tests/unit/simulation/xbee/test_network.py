@@ -17,9 +17,9 @@ from rostether.errors import TransportError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.simulation.xbee.air import AirConditions
 from rostether.simulation.xbee.counting_board import CountingBoard
-from rostether.simulation.xbee.models import DIGIMESH, SERIES_1, SERIES_3, Model
 from rostether.simulation.xbee.network import XbeeNetwork
 from rostether.simulation.xbee.radio import SimulatedRadio
+from rostether.simulation.xbee.registers import DIGIMESH, SERIES_1, SERIES_3, Model
 from rostether.transports.address import Address, SerialAddress, XbeeAddress
 from rostether.transports.memory import memory_pair
 from rostether.transports.peers import PeerEntry
@@ -140,7 +140,7 @@ def test_eight_boards_with_losses_and_repeats_all_send(
             for board, before in zip(site.boards, changes, strict=True):
                 assert len(set(site.received[board.name])) >= measured_s * rate_hz * 0.6, board.name
                 assert board.led_changes - before >= measured_s, board.name
-                assert board.is_connected
+                assert board.connected
 
     run_on_virtual_time(main())
 
@@ -208,10 +208,10 @@ def test_closing_stops_every_board() -> None:
     async def main() -> None:
         async with radios(8, AirConditions()) as site:
             await asyncio.sleep(3.0)
-            assert all(board.is_connected for board in site.boards)
+            assert all(board.connected for board in site.boards)
             await site.supervisor.close()
             await asyncio.sleep(0.2)
-            assert not any(board.is_connected for board in site.boards)
+            assert not any(board.connected for board in site.boards)
 
     run_on_virtual_time(main())
 

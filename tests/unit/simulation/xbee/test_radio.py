@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.simulation.xbee.models import DIGIMESH, SERIES_1
 from rostether.simulation.xbee.radio import SimulatedRadio, Transmission
+from rostether.simulation.xbee.registers import DIGIMESH, SERIES_1
 from rostether.transports.xbee.frame import encode_frame
 
 NUMBER = 0x0013A20040A10007

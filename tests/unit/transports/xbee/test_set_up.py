@@ -6,9 +6,9 @@ import pytest
 
 from rostether.errors import ConfigError, TransportError, TransportTimeoutError
 from rostether.simulation.xbee.air import AirConditions
-from rostether.simulation.xbee.models import DIGIMESH, SERIES_1, SERIES_3, Model
 from rostether.simulation.xbee.network import XbeeNetwork
 from rostether.simulation.xbee.radio import SimulatedRadio
+from rostether.simulation.xbee.registers import DIGIMESH, SERIES_1, SERIES_3, Model
 from rostether.transports.memory import memory_pair
 from rostether.transports.transport import Transport
 from rostether.transports.xbee.set_up import BAUD_CODES, RadioFound, RadioSettings, set_up_radio
