@@ -15,9 +15,10 @@ from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import NativeRegistry
-from rostether.ros2.types.value_form import ValueForm
+from rostether.ros2.types.native_types import NativeClasses
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
+from rostether.serde.yaml_form import fill_message
 
 TIMEOUT_S = 60.0
 
@@ -136,8 +137,10 @@ def test_messages_are_shown_as_python_shows_them(name: str, fields: dict[str, An
     rclpy_message = fill((getattr(message_class, parts[2]) if parts[2] else message_class)(), fields)
     registry = NativeRegistry(Ros2Definitions(), Registry())
     definition = registry.ros2_message(name)
-    codec = TypeStore(registry).codec(definition.full_name.replace(f"/{kind}/", "/").replace("_R", "R"))
-    value = ValueForm(registry.ros2_message, Time).fill(codec, definition, [fields])
+    codec = TypeStore(registry, NativeClasses(registry)).codec(
+        definition.full_name.replace(f"/{kind}/", "/").replace("_R", "R")
+    )
+    value = fill_message(codec, [fields], now=Time)
     assert MessageText(registry.ros2_message, TextStyle()).python(value, definition) == repr(rclpy_message)
 
 

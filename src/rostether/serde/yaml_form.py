@@ -27,6 +27,8 @@ from rostether.serde.values import Message, misfit_error
 
 _FLOAT_TEXT: Final = re.compile(r"[-+]?(nan|inf|infinity|\d+(\.\d*)?e[-+]?\d+|\.\d+e[-+]?\d+)", re.IGNORECASE)
 _HEADER: Final = "std_msgs/Header"
+# A time in the types of ROS 2.
+_ROS2_TIME: Final = "builtin_interfaces/Time"
 
 
 def parse_values(codec: Codec, arguments: str | Sequence[str], *, now: Callable[[], Time]) -> Message:
@@ -76,6 +78,14 @@ def fill_message(codec: Codec, values: list[Any], *, now: Callable[[], Time]) ->
     return codec.conform(_Form(codec.type_name, now).fields(tree, value, ""))
 
 
+def fill_or_default(codec: Codec, values: list[Any], *, now: Callable[[], Time]) -> Message:
+    """Return the message of loaded arguments like `fill_message`; without any, its default values.
+
+    Raises SerializationError.
+    """
+    return fill_message(codec, [{}] if values in ([], [None]) else values, now=now)
+
+
 class _Form:
     """Converts YAML values to the input of `Codec.conform`."""
 
@@ -115,7 +125,10 @@ class _Form:
         if value is None or value == "":
             return {}
         if value == "auto" and tree.name == _HEADER:
-            return {"stamp": self._now()}
+            value = {"stamp": "now"}
+        if value == "now" and tree.name == _ROS2_TIME:
+            now = self._now()
+            return {"sec": now.secs, "nanosec": now.nsecs}
         return self.fields(tree, value, path)
 
     def _array(self, array: Array, value: Any, path: str) -> Any:

@@ -151,7 +151,7 @@ async def tool_node(
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros2.types.native_registry import NativeRegistry
-    from rostether.ros2.types.native_types import NativeTypes
+    from rostether.ros2.types.native_types import NativeClasses, NativeTypes
     from rostether.ros2.types.undefined_types import UndefinedTypes
     from rostether.serde.store import TypeStore
 
@@ -169,7 +169,7 @@ async def tool_node(
         )
         async with closed_at_end(graph):
             yield ToolNode(
-                TypedGraph(graph, TypeStore(registry)),
+                TypedGraph(graph, TypeStore(registry, NativeClasses(registry))),
                 registry,
                 types,
                 middleware,

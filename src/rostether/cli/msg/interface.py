@@ -125,8 +125,7 @@ def proto(name: str, no_quotes: bool, msg_paths: tuple[Path, ...]) -> None:
     """Print a message with its default values, a service's request, or an action's goal, as YAML."""
     from rostether.ros2.types.message_text import MessageText, TextStyle
     from rostether.ros2.types.native_registry import short_name
-    from rostether.ros2.types.value_form import ValueForm
-    from rostether.rostime import Time
+    from rostether.ros2.types.native_types import NativeClasses
     from rostether.serde.store import TypeStore
 
     registry = _registry(msg_paths)
@@ -137,8 +136,8 @@ def proto(name: str, no_quotes: bool, msg_paths: tuple[Path, ...]) -> None:
             definition = registry.ros2_service(name).request
         case _:
             definition = registry.definitions.action(name).action.goal
-    form = ValueForm(registry.ros2_message, Time)
-    message = form.fill(TypeStore(registry).codec(short_name(definition.full_name)), definition, [])
+    store = TypeStore(registry, NativeClasses(registry))
+    message = store.codec(short_name(definition.full_name)).message_class()
     text = MessageText(registry.ros2_message, TextStyle(truncate_length=None)).yaml(message, definition)
     write_line(text.removesuffix("\n") if no_quotes else f'"{text}"')
 

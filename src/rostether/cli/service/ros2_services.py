@@ -22,7 +22,6 @@ from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.graph_view import SERVICE_KINDS, GraphView, one_or_all
 from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
-from rostether.ros2.types.value_form import ValueForm
 
 _TYPE_NAME = re.compile(r"[A-Za-z]\w*(/srv)?/[A-Za-z]\w*")
 # How often the graph is checked for the service.
@@ -139,7 +138,7 @@ async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], op
     Raises GraphError, UnknownTypeError, SerializationError naming the field.
     """
     from rostether.serde.plain_form import to_plain
-    from rostether.serde.yaml_form import load_arguments
+    from rostether.serde.yaml_form import fill_or_default, load_arguments
 
     type_name = arguments[0] if arguments and _TYPE_NAME.fullmatch(arguments[0]) else None
     # An empty argument is the empty text; YAML would read it as null.
@@ -151,9 +150,8 @@ async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], op
         await tool.learn_type(view, name, EndpointKind.SERVER)
         definition = tool.registry.ros2_service(chosen)
         codec = tool.graph.store.codec(tool.registry.service_type(chosen).request.name)
-        form = ValueForm(tool.registry.ros2_message, wall_time)
         text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
-        request = form.fill(codec, definition.request, values)
+        request = fill_or_default(codec, values, now=wall_time)
         while True:
             begin_s = time.monotonic()
             if not options.as_json:

@@ -26,7 +26,6 @@ from rostether.graph.ros_clock import wall_time
 from rostether.mechanisms.text import counted
 from rostether.ros2.types.message_text import DEFAULT_TRUNCATE_LENGTH, MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
-from rostether.ros2.types.value_form import ValueForm
 
 if TYPE_CHECKING:
     from rostether.cli.access.ros2_tool_node import ToolNode
@@ -73,7 +72,7 @@ class Ros2Topics(Ros2TopicListing):
 async def _publish(
     graph: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
 ) -> None:
-    from rostether.serde.yaml_form import load_arguments, load_documents
+    from rostether.serde.yaml_form import fill_or_default, load_arguments, load_documents
 
     # Errors are reported before anything is advertised.
     values = [load_arguments(given)]
@@ -81,9 +80,8 @@ async def _publish(
         values = list(load_documents(read_text(options.file)))
     name = short_name(type_name)
     async with tool_node(graph, options.msg_paths) as tool:
-        form = ValueForm(tool.registry.ros2_message, wall_time)
         codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)
-        messages = [form.fill(codec, definition, each) for each in values]
+        messages = [fill_or_default(codec, each, now=wall_time) for each in values]
         support = tool.types.by_name(definition.full_name)
         for checked in messages:
             # Raises an error for texts and arrays beyond their bounds; a publisher only omits the message.
@@ -103,7 +101,7 @@ async def _publish(
             # `now` and `auto` get the time of each message.
             message: Any = messages[0]
             if count:
-                message = form.fill(codec, definition, values[count % len(values)])
+                message = fill_or_default(codec, values[count % len(values)], now=wall_time)
             count += 1
             if print_nth and count % print_nth == 0:
                 write_line(f"publishing #{count}: {text.python(message, definition)}\n")

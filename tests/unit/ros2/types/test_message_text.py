@@ -11,19 +11,19 @@ from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import NativeRegistry
-from rostether.ros2.types.value_form import ValueForm
+from rostether.ros2.types.native_types import NativeClasses
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore
 from rostether.serde.values import Message
+from rostether.serde.yaml_form import fill_or_default
 
 REGISTRY = NativeRegistry(Ros2Definitions(), Registry())
-STORE = TypeStore(REGISTRY)
+STORE = TypeStore(REGISTRY, NativeClasses(REGISTRY))
 NOW = Time(12, 34)
 
 
 def fill(name: str, *values: Any) -> Message:
-    form = ValueForm(REGISTRY.ros2_message, lambda: NOW)
-    return form.fill(STORE.codec(name), REGISTRY.ros2_message(name), values)
+    return fill_or_default(STORE.codec(name), list(values), now=lambda: NOW)
 
 
 def text(name: str, fields: dict[str, Any], **style: Any) -> str:
