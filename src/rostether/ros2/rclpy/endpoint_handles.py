@@ -1,10 +1,12 @@
-"""The publishers, subscribers, service servers and service clients of one node, over rclpy."""
+"""The topics and services of a node of a ROS 2 graph over rclpy."""
 
 from __future__ import annotations
 
 import asyncio
 from collections import Counter
+from collections.abc import Mapping
 from functools import partial
+from typing import Unpack
 
 from rostether.errors import GraphError, ServiceUnavailableError
 from rostether.graph.ports import OnMessages, ServiceHandler, SubscribeOptions
@@ -13,6 +15,7 @@ from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.listed_client import ListedClient
+from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import RclpyPublication
 from rostether.ros2.rclpy.service_client import DISCOVERY_S, SERVICE_POLL_INTERVAL_S, RclpyServiceClient
@@ -25,13 +28,11 @@ from rostether.ros2.types.type_support import ServiceSupport
 PUBLISHER_POLL_INTERVAL_S = 0.2
 
 
-class RclpyEndpoints:
-    """Creates and ends the endpoints of a node; names are fully resolved.
+class RclpyEndpoints(Ros2Membership):
+    """The part of a `RclpyGraph` that creates the endpoints of its node, and ends them with the node."""
 
-    The methods raise the same errors as those of `RclpyGraph`.
-    """
-
-    def __init__(self, own: OwnNode) -> None:
+    def __init__(self, own: OwnNode, namespace: str, remappings: Mapping[str, str]) -> None:
+        super().__init__(own.name, namespace, remappings)
         self._own = own
         self._publications: dict[str, RclpyPublication] = {}
         self._subscribers: set[RclpySubscriber] = set()
@@ -43,29 +44,43 @@ class RclpyEndpoints:
         self._lock = asyncio.Lock()
         self._polling: asyncio.Task[None] | None = None
         self._checking = asyncio.ensure_future(self._check_types())
-        self._is_closing = False
 
     async def advertise(
-        self, topic: str, message_type: MessageType, *, latch: bool
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> PublisherHandle[RclpyPublication]:
-        """Advertise a topic."""
+        """Advertise a topic. `queue_bytes` has no effect: the middleware's queues are limited in messages.
+
+        Raises UnknownTypeError for a type whose package is not installed, TypeMismatchError if this process
+        uses the topic with another type, InvalidNameError.
+        """
+        self._check_open()
+        name = self.resolve(topic)
         support = self._own.types.message(message_type)
         async with self._lock:
-            publication = self._publications.get(topic)
+            publication = self._publications.get(name)
             if publication is None:
-                publication = RclpyPublication(self._own, topic, message_type, support, latch=latch)
+                publication = RclpyPublication(self._own, name, message_type, support, latch=latch)
                 await self._own.thread.run(publication.open)
-                self._publications[topic] = publication
+                self._publications[name] = publication
             else:
-                check_same_type(topic, publication.type, message_type)
+                check_same_type(name, publication.type, message_type)
             return PublisherHandle(publication, self._end_publication)
 
     async def subscribe(
-        self, topic: str, message_type: MessageType, on_messages: OnMessages, options: SubscribeOptions
+        self,
+        topic: str,
+        message_type: MessageType,
+        on_messages: OnMessages,
+        **options: Unpack[SubscribeOptions],
     ) -> RclpySubscriber:
-        """Subscribe."""
+        """Subscribe. `ANY_MESSAGE` uses the type of the first publisher.
+
+        Raises the same errors as `advertise`.
+        """
+        self._check_open()
+        name = self.resolve(topic)
         subscriber = RclpySubscriber(
-            self._own, topic, message_type, on_messages, options, on_close=self._end_subscriber
+            self._own, name, message_type, on_messages, options, on_close=self._end_subscriber
         )
         await self._own.thread.run(subscriber.open)
         self._subscribers.add(subscriber)
@@ -76,40 +91,54 @@ class RclpyEndpoints:
     async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> RclpyServiceServer:
-        """Offer a service."""
+        """Offer a service. A call whose handler fails gets no answer; /rosout has the reason.
+
+        Raises UnknownTypeError, InvalidNameError, GraphError.
+        """
+        self._check_open()
+        name = self.resolve(service)
         support = self._own.types.service(service_type)
         async with self._lock:
-            if service in self._servers:
-                raise GraphError(f"this node already offers the service {service}; choose another name")
-            server = RclpyServiceServer(self._own, service, support, handler, self._end_server)
+            if name in self._servers:
+                raise GraphError(f"this node already offers the service {name}; choose another name")
+            server = RclpyServiceServer(self._own, name, support, handler, self._end_server)
             await self._own.thread.run(server.open)
-            self._servers[service] = server
+            self._servers[name] = server
         return server
 
     async def call_service(
-        self, service: str, service_type: ServiceType, request: bytes, timeout_s: float | None
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
     ) -> bytes:
-        """Call a service."""
+        """Call a service.
+
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
+        UnknownTypeError, InvalidNameError, SerializationError.
+        """
+        self._check_open()
+        name = self.resolve(service)
         if service_type.name == ANY_TYPE:
-            support = await self._learn_service(service)
+            support = await self._learn_service(name)
         else:
             support = self._own.types.service(service_type)
         async with self._lock:
-            client = await self._client(service, support)
+            client = await self._client(name, support)
         return await client.call(request, timeout_s)
 
     async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """List a client of a service until the handle closes, even if it never calls."""
+        """Appear in the graph as a client of a service until the handle closes, even if it never calls.
+
+        Raises UnknownTypeError, TypeMismatchError, InvalidNameError.
+        """
+        self._check_open()
+        name = self.resolve(service)
         support = self._own.types.service(service_type)
-        key = (service, support.name)
+        key = (name, support.name)
         async with self._lock:
-            await self._client(service, support)
+            await self._client(name, support)
             self._listed[key] += 1
         return ListedClient(lambda: self._unlist(key))
 
-    async def close(self) -> None:
-        """End all endpoints. Idempotent."""
-        self._is_closing = True
+    async def _close_endpoints(self) -> None:
         await cancel_all(self._checking, *((self._polling,) if self._polling is not None else ()))
         await asyncio.gather(
             *(each.close() for each in list(self._servers.values())),
@@ -175,7 +204,7 @@ class RclpyEndpoints:
         async with self._lock:
             # In the meantime, a new handle may exist, or the node may have ended.
             is_open = self._publications.get(publication.topic) is publication
-            if is_open and (publication.handle_count == 0 or self._is_closing):
+            if is_open and (publication.handle_count == 0 or self._closing is not None):
                 del self._publications[publication.topic]
                 publication.send_rest()
                 await self._own.thread.run(publication.close)

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
-from typing import Any, Unpack
+from typing import Any
 
-from rostether.graph.ports import Level, OnMessages, ServiceHandler, Snapshot, SubscribeOptions
-from rostether.graph.publisher_handle import PublisherHandle
+from rostether.graph.ports import Level, Snapshot
 from rostether.graph.shared_snapshots import poll_snapshots
-from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind, QosReport
-from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.parameters.graph_parameters import GraphParameters
-from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.rclpy.endpoint_handles import RclpyEndpoints
 from rostether.ros2.rclpy.installation import rclpy_distribution
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.own_parameters import RclpyParameters
-from rostether.ros2.rclpy.publication import RclpyPublication
-from rostether.ros2.rclpy.service_server import RclpyServiceServer
-from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.rclpy.view import POLL_INTERVAL_S, UNKNOWN_NODE, ask_node, full_name, take_snapshot
 from rostether.rostime import Time
 
 
-class RclpyGraph(Ros2Membership):
+class RclpyGraph(RclpyEndpoints):
     """Implements `graph.ports.Graph`; made by `RclpyContext.join`."""
 
     def __init__(
@@ -35,66 +28,9 @@ class RclpyGraph(Ros2Membership):
         *,
         on_close: Callable[[RclpyGraph], object],
     ) -> None:
-        super().__init__(own.name, namespace, remappings)
-        self._own = own
+        super().__init__(own, namespace, remappings)
         self._on_close = on_close
-        self._endpoints = RclpyEndpoints(own)
         self._parameters = GraphParameters(RclpyParameters(own), self)
-
-    async def advertise(
-        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
-    ) -> PublisherHandle[RclpyPublication]:
-        """Advertise a topic. `queue_bytes` has no effect: the middleware's queues are limited in messages.
-
-        Raises UnknownTypeError for a type whose package is not installed, TypeMismatchError if this process
-        uses the topic with another type, InvalidNameError.
-        """
-        self._check_open()
-        return await self._endpoints.advertise(self.resolve(topic), message_type, latch=latch)
-
-    async def subscribe(
-        self,
-        topic: str,
-        message_type: MessageType,
-        on_messages: OnMessages,
-        **options: Unpack[SubscribeOptions],
-    ) -> RclpySubscriber:
-        """Subscribe.
-
-        `ANY_MESSAGE` uses the type of the first publisher. Raises the same errors as
-        `advertise`.
-        """
-        self._check_open()
-        return await self._endpoints.subscribe(self.resolve(topic), message_type, on_messages, options)
-
-    async def advertise_service(
-        self, service: str, service_type: ServiceType, handler: ServiceHandler
-    ) -> RclpyServiceServer:
-        """Offer a service. A call whose handler fails gets no answer; /rosout has the reason.
-
-        Raises UnknownTypeError, InvalidNameError, GraphError.
-        """
-        self._check_open()
-        return await self._endpoints.advertise_service(self.resolve(service), service_type, handler)
-
-    async def call_service(
-        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
-    ) -> bytes:
-        """Call a service.
-
-        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
-        UnknownTypeError, InvalidNameError, SerializationError.
-        """
-        self._check_open()
-        return await self._endpoints.call_service(self.resolve(service), service_type, request, timeout_s)
-
-    async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """Appear in the graph as a client of a service.
-
-        Raises UnknownTypeError, TypeMismatchError, InvalidNameError.
-        """
-        self._check_open()
-        return await self._endpoints.list_client(self.resolve(service), service_type)
 
     def log(self, level: Level, text: str) -> None:
         """Publish a log message on /rosout under this node's name."""
@@ -123,7 +59,7 @@ class RclpyGraph(Ros2Membership):
     async def _end(self) -> None:
         try:
             await self._parameters.close()
-            await self._endpoints.close()
+            await self._close_endpoints()
             await self._own.thread.run(self._own.destroy)
         finally:
             await self._own.thread.stop()
