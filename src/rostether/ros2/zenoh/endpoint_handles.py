@@ -1,27 +1,34 @@
-"""The publishers, subscribers, service servers and service clients of one node, over zenoh."""
+"""The topics and services of a node of a ROS 2 graph over zenoh."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
+from abc import abstractmethod
 from collections import Counter
+from collections.abc import AsyncIterator, Mapping
+from functools import partial
+from typing import Unpack
 
 from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchError
-from rostether.graph.log_message import LOG_TYPE, ROSOUT
-from rostether.graph.ports import OnMessages, Report, ServiceHandler, SubscribeOptions
+from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
+from rostether.graph.ports import Level, OnMessages, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.publisher_handle import PublisherHandle
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.listed_client import ListedClient
-from rostether.ros2.naming import dds_name, type_of_dds_name
+from rostether.ros2.naming import dds_name, logger_name, type_of_dds_name, validate_topic_name
+from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.qos import ROSOUT_QOS
+from rostether.ros2.type_description import learn_type
 from rostether.ros2.types.type_support import ServiceSupport
-from rostether.ros2.zenoh.described_types import Describe
-from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.mismatches import is_of_type
 from rostether.ros2.zenoh.publication import ZenohPublication
 from rostether.ros2.zenoh.service_client import ZenohServiceClient
 from rostether.ros2.zenoh.service_server import ZenohServiceServer
-from rostether.ros2.zenoh.shared_session import LiveToken
+from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities, SharedSession
 from rostether.ros2.zenoh.subscription import SubscriberCallbacks, ZenohSubscriber
 from rostether.ros2.zenoh.tokens import Token, TokenKind
+from rostether.rostime import Time
 
 # The time to wait until an unknown service is announced: 1 ms on one machine, longer through several routers.
 ANNOUNCEMENT_S = 0.2
@@ -29,13 +36,18 @@ ANNOUNCEMENT_S = 0.2
 # The maximum number of unlisted service clients that a node keeps; a board's sketch has only a few.
 MAX_CLIENTS = 256
 
+_log = logging.getLogger("rostether.ros2")
 
-class ZenohEndpoints:
-    """Creates the endpoints of a node, and ends them with the node; names are fully resolved."""
 
-    def __init__(self, node: NodeEntities, *, report: Report) -> None:
-        self._node = node
-        self._report = report
+class ZenohEndpoints(Ros2Membership):
+    """The part of a `ZenohGraph` that creates the endpoints of its node, and ends them with the node."""
+
+    def __init__(
+        self, session: SharedSession, node_name: str, namespace: str, remappings: Mapping[str, str]
+    ) -> None:
+        super().__init__(node_name, namespace, remappings)
+        self._session = session
+        self._node = NodeEntities(session, node_name)
         self._publications: dict[str, ZenohPublication] = {}
         self._subscribers: set[ZenohSubscriber] = set()
         self._servers: dict[str, ZenohServiceServer] = {}
@@ -45,31 +57,20 @@ class ZenohEndpoints:
         self._node_token: LiveToken | None = None
         self._rosout: ZenohPublication | None = None
 
-    def open(self) -> None:
-        """Appear in the graph, with /rosout."""
-        self._node_token = self._node.declare_node()
-        support = self._node.session.types.message(LOG_TYPE)
-        self._rosout = ZenohPublication(
-            ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
-        )
-        # Closing a handle to /rosout must not end this publisher.
-        self._rosout.handle_count = 1
-        self._publications[ROSOUT] = self._rosout
-
-    def publish_log(self, message: bytes) -> None:
-        """Publish a message on /rosout."""
-        if self._rosout is not None:
-            self._rosout.publish([message])
-
-    def advertise(
-        self, topic: str, message_type: MessageType, *, latch: bool, queue_bytes: int | None
+    async def advertise(
+        self, topic: str, message_type: MessageType, *, latch: bool = False, queue_bytes: int | None = None
     ) -> PublisherHandle[ZenohPublication]:
-        """Advertise a topic. Raises TypeMismatchError, UnknownTypeError."""
-        publication = self._publications.get(topic)
+        """Advertise a topic.
+
+        `queue_bytes` limits the messages that wait while a link is full; zenoh itself queues 1 MiB. Raises
+        TypeMismatchError, UnknownTypeError, InvalidNameError.
+        """
+        name = self._resolve_open(topic)
+        publication = self._publications.get(name)
         if publication is None:
-            support = self._node.session.types.message(message_type)
-            publication = ZenohPublication(
-                topic,
+            support = self._session.types.message(message_type)
+            publication = self._publications[name] = ZenohPublication(
+                name,
                 message_type,
                 support,
                 node=self._node,
@@ -77,76 +78,119 @@ class ZenohEndpoints:
                 latch=latch,
                 queue_bytes=queue_bytes,
             )
-            self._publications[topic] = publication
         else:
             publication.share(message_type, latch=latch)
         return PublisherHandle(publication, self._release_publication)
 
-    def subscribe(
+    async def subscribe(
         self,
         topic: str,
         message_type: MessageType,
         on_messages: OnMessages,
-        *,
-        options: SubscribeOptions,
-        describe: Describe,
+        **options: Unpack[SubscribeOptions],
     ) -> ZenohSubscriber:
-        """Subscribe to a topic. Raises TypeMismatchError, UnknownTypeError."""
-        is_any = message_type.name == ANY_TYPE
-        on_connection = options.get("on_connection")
+        """Subscribe. `ANY_MESSAGE` accepts every type; `on_connection` is called for each publisher.
+
+        Raises TypeMismatchError, UnknownTypeError, InvalidNameError.
+        """
+        name = self._resolve_open(topic)
+        types = self._session.types
         callbacks = SubscriberCallbacks(
-            on_messages, on_connection, self._subscribers.discard, self._report, describe
+            on_messages,
+            options.get("on_connection"),
+            self._subscribers.discard,
+            self._report,
+            partial(learn_type, self, types),
         )
         subscriber = ZenohSubscriber(
-            topic,
-            None if is_any else self._node.session.types.message(message_type),
+            name,
+            None if message_type.name == ANY_TYPE else types.message(message_type),
             callbacks,
             node=self._node,
-            own_gids=(lambda: self._own_gids(topic)) if options.get("skip_own") else None,
+            own_gids=(lambda: self._own_gids(name)) if options.get("skip_own") else None,
             skip_nodes=options.get("skip_nodes", ()),
             one_type=options.get("one_type", False),
         )
         self._subscribers.add(subscriber)
         return subscriber
 
-    def advertise_service(
+    async def advertise_service(
         self, service: str, service_type: ServiceType, handler: ServiceHandler
     ) -> ZenohServiceServer:
-        """Offer a service.
+        """Offer a service. A handler that raises RostetherError fails the call with that error's text.
 
-        Raises GraphError if this node already offers it, TypeMismatchError, UnknownTypeError.
+        Raises GraphError if this node already offers the service, TypeMismatchError, UnknownTypeError,
+        InvalidNameError.
         """
-        if service in self._servers:
-            raise GraphError(f"this node already offers the service {service}; choose another name")
-        support = self._node.session.types.service(service_type)
-        server = ZenohServiceServer(service, support, handler, node=self._node, on_close=self._release_server)
-        self._servers[service] = server
+        name = self._resolve_open(service)
+        if name in self._servers:
+            raise GraphError(f"this node already offers the service {name}; choose another name")
+        support = self._session.types.service(service_type)
+        server = ZenohServiceServer(name, support, handler, node=self._node, on_close=self._release_server)
+        self._servers[name] = server
         return server
 
     async def call_service(
-        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None
+        self, service: str, service_type: ServiceType, request: bytes, *, timeout_s: float | None = None
     ) -> bytes:
-        """Call a service. Raises the errors of `Graph.call_service`."""
-        servers = await self._servers_of(service)
-        if service_type.name == ANY_TYPE:
-            support = self._node.session.types.service_by_name(_type_of(servers[0]))
-        else:
-            support = self._node.session.types.service(service_type)
-        _check_type(service, support, servers)
-        return await self._client(service, support).call(request, timeout_s)
+        """Call a service.
 
-    def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
-        """List a client of a service until the handle closes, even if it never calls.
-
-        Raises UnknownTypeError, TypeMismatchError.
+        Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError, TypeMismatchError,
+        UnknownTypeError, InvalidNameError, SerializationError.
         """
-        support = self._node.session.types.service(service_type)
-        self._client(service, support)
-        key = (service, support.name)
+        name = self._resolve_open(service)
+        servers = await self._servers_of(name)
+        if service_type.name == ANY_TYPE:
+            support = self._session.types.service_by_name(_type_of(servers[0]))
+        else:
+            support = self._session.types.service(service_type)
+        _check_type(name, support, servers)
+        return await self._client(name, support).call(request, timeout_s)
+
+    async def list_client(self, service: str, service_type: ServiceType) -> ListedClient:
+        """Appear in the graph as a client of a service until the handle closes, even if it never calls.
+
+        Raises UnknownTypeError, TypeMismatchError, InvalidNameError.
+        """
+        name = self._resolve_open(service)
+        support = self._session.types.service(service_type)
+        self._client(name, support)
+        key = (name, support.name)
         self._listed[key] += 1
         return ListedClient(lambda: self._unlist(key))
 
-    async def close(self) -> None:
+    def log(self, level: Level, text: str) -> None:
+        """Publish a log message on /rosout under this node's name."""
+        if self._rosout is not None:
+            # On the way, rosgraph_msgs/Log becomes rcl_interfaces/msg/Log, which has no sequence number.
+            name = logger_name(self.node_name)
+            message = encode_log(sequence=0, stamp=self.now(), level=level, node_name=name, text=text)
+            self._rosout.publish([message])
+
+    async def snapshot(self) -> Snapshot:
+        """Return a snapshot of the whole graph."""
+        return self._session.graph.snapshot()
+
+    def changes(self) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot now and one after each change."""
+        return self._session.graph.changes(self._closed)
+
+    @abstractmethod
+    def now(self) -> Time:
+        """Return ROS time."""
+
+    def _open_endpoints(self) -> None:
+        """Appear in the graph, with /rosout."""
+        self._node_token = self._node.declare_node()
+        support = self._session.types.message(LOG_TYPE)
+        self._rosout = ZenohPublication(
+            ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
+        )
+        # Closing a handle to /rosout must not end this publisher.
+        self._rosout.handle_count = 1
+        self._publications[ROSOUT] = self._rosout
+
+    async def _close_endpoints(self) -> None:
         """Close all endpoints, and withdraw the node from the graph."""
         await asyncio.gather(
             *(each.close() for each in list(self._subscribers)),
@@ -162,6 +206,15 @@ class ZenohEndpoints:
         if self._node_token is not None:
             self._node_token.withdraw()
             self._node_token = None
+
+    def _report(self, level: Level, text: str) -> None:
+        _log.log(level.number_in_tens, "%s: %s", self.node_name, text)
+        self.log(level, text)
+
+    def _resolve_open(self, name: str) -> str:
+        """Return the full name of a topic or service. Raises GraphError after the node has left."""
+        self._check_open()
+        return validate_topic_name(self.resolve(name))
 
     def _client(self, service: str, support: ServiceSupport) -> ZenohServiceClient:
         key = (service, support.name)
@@ -184,7 +237,7 @@ class ZenohEndpoints:
             client.close()
 
     async def _servers_of(self, service: str) -> list[Token]:
-        graph = self._node.session.graph
+        graph = self._session.graph
         if not graph.endpoints(TokenKind.SERVER, service):
             changed = asyncio.Event()
             graph.listen(TokenKind.SERVER, service, changed.set)
@@ -217,11 +270,10 @@ def _type_of(server: Token) -> str:
 
 
 def _check_type(service: str, support: ServiceSupport, servers: list[Token]) -> None:
-    type_name = dds_name(support.name)
-    if any(each.type == type_name and each.type_hash == support.type_hash for each in servers):
+    if any(is_of_type(each, support) for each in servers):
         return
     other = servers[0]
-    if other.type == type_name:
+    if other.type == dds_name(support.name):
         raise TypeMismatchError(
             f"service {service} has another definition of {support.name} "
             f"({other.type_hash:.80}, not {support.type_hash}); set ROS_DISTRO to its distribution, "

@@ -14,16 +14,14 @@ from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, Report
 from rostether.graph.publisher_handle import check_same_type
 from rostether.msgdef.interface import MessageType
-from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, LATCHED_QOS, Qos
 from rostether.ros2.types.type_support import MessageSupport
 from rostether.ros2.zenoh.attachment import ATTACHMENT, GID_BYTES, gid_of
 from rostether.ros2.zenoh.configuration import WAIT_BEFORE_DROP_US
-from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.mismatches import Mismatches
+from rostether.ros2.zenoh.mismatches import Mismatches, is_of_type
 from rostether.ros2.zenoh.put_queue import BatchResult, PutQueue
-from rostether.ros2.zenoh.shared_session import LiveToken
-from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
+from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities
+from rostether.ros2.zenoh.tokens import Token, TokenKind
 
 # A put that takes this long has waited for room; other puts take a hundredth of this time.
 STALL_NS = 300_000
@@ -65,8 +63,7 @@ class ZenohPublication:
         self._node = node
         self._report = report
         self._qos = qos or (LATCHED_QOS if latch else DEFAULT_QOS)
-        self._type_name = dds_name(support.name)
-        self._key = data_key(node.session.domain_id, topic, self._type_name, support.type_hash)
+        self._key = node.key(topic, support)
         self._mismatches = Mismatches(topic, support, report)
         self._sequence = 0
         self._lost_count = 0
@@ -197,9 +194,7 @@ class ZenohPublication:
             self._matching = publisher.declare_matching_listener(
                 zenoh.handlers.Callback(self._match, indirect=False)
             )
-        self._token: LiveToken = self._node.declare(
-            TokenKind.PUBLISHER, self.topic, self._type_name, self._support.type_hash, self._qos
-        )
+        self._token: LiveToken = self._node.declare(TokenKind.PUBLISHER, self.topic, self._support, self._qos)
         self._gid = gid_of(self._token.text)
         self.gids.add(self._gid)
 
@@ -220,11 +215,7 @@ class ZenohPublication:
 
     def _update_subscribers(self) -> None:
         tokens = self._node.session.graph.endpoints(TokenKind.SUBSCRIBER, self.topic)
-        self._subscribers = [
-            token
-            for token in tokens
-            if token.type == self._type_name and token.type_hash == self._support.type_hash
-        ]
+        self._subscribers = [token for token in tokens if is_of_type(token, self._support)]
         self._mismatches.report(tokens)
 
     def _refuse(self, count: int, error: SerializationError) -> None:

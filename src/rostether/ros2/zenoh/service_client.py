@@ -12,11 +12,10 @@ import zenoh
 from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
 from rostether.mechanisms.text import fold_line
 from rostether.ros2.early_conversion import convert
-from rostether.ros2.naming import dds_name
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, gid_of
-from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.tokens import TokenKind, data_key
+from rostether.ros2.zenoh.shared_session import NodeEntities
+from rostether.ros2.zenoh.tokens import TokenKind
 
 # A query must have a time limit; a call without a limit ends when its server ends.
 ENDLESS_S = 7 * 24 * 3600.0
@@ -36,13 +35,11 @@ class ZenohServiceClient:
         self.service = service
         self.support = support
         self._node = node
-        type_name = dds_name(support.name)
-        self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
-        self._token = node.declare(TokenKind.CLIENT, service, type_name, support.type_hash)
+        self._token = node.declare(TokenKind.CLIENT, service, support)
         self._gid = gid_of(self._token.text)
         self._loop = asyncio.get_running_loop()
         self._querier = node.session.zenoh.declare_querier(
-            self._key,
+            node.key(service, support),
             target=zenoh.QueryTarget.ALL_COMPLETE,
             consolidation=zenoh.ConsolidationMode.NONE,
             timeout=ENDLESS_S,

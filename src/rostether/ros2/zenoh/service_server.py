@@ -17,12 +17,11 @@ from rostether.graph.ports import ServiceHandler
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros2.early_conversion import convert
 from rostether.ros2.handover import Handover
-from rostether.ros2.naming import dds_name
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
-from rostether.ros2.zenoh.entities import NodeEntities
+from rostether.ros2.zenoh.shared_session import NodeEntities
 from rostether.ros2.zenoh.thread_state import keep_thread_state
-from rostether.ros2.zenoh.tokens import TokenKind, data_key
+from rostether.ros2.zenoh.tokens import TokenKind
 
 # The limit of pending calls; a board answers one call at a time, so more calls would wait too long.
 MAX_CALLS = 1000
@@ -57,13 +56,12 @@ class ZenohServiceServer:
         self._threads = node.session.call_threads
         self._calls: set[asyncio.Task[None]] = set()
         self._closing_replies: list[Future[None]] = []
-        type_name = dds_name(support.name)
-        self._key = data_key(node.session.domain_id, service, type_name, support.type_hash)
+        self._key = node.key(service, support)
         self._queue: Handover[zenoh.Query] = Handover(self._handle_queries, limit=MAX_CALLS)
         self._queryable = node.session.zenoh.declare_queryable(
             self._key, zenoh.handlers.Callback(self._put, indirect=False), complete=True
         )
-        self._token = node.declare(TokenKind.SERVER, service, type_name, support.type_hash)
+        self._token = node.declare(TokenKind.SERVER, service, support)
 
     async def close(self) -> None:
         """Unadvertise; pending calls fail. Idempotent."""

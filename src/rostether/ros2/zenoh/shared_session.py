@@ -1,4 +1,4 @@
-"""The shared state of the nodes of one zenoh session."""
+"""The shared state of the nodes of one zenoh session, and their liveliness tokens."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ import logging
 from concurrent.futures import ThreadPoolExecutor
 
 import zenoh
+from msgspec.structs import replace
 
+from rostether.names.graph_name import namespace_of
+from rostether.ros2.naming import dds_name
 from rostether.ros2.parameters.ros2_membership import Ros2Membership
-from rostether.ros2.types.type_support import Ros2Types
+from rostether.ros2.qos import DEFAULT_QOS, Qos
+from rostether.ros2.types.type_support import MessageSupport, Ros2Types, ServiceSupport
 from rostether.ros2.zenoh.graph_cache import GraphCache
-from rostether.ros2.zenoh.tokens import Token
+from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
 
 # Each puts a batch while a link is full. More threads would only wait for the same few links.
 MAX_PUT_THREADS = 8
@@ -69,7 +73,6 @@ class LiveToken:
     """A token of this session, alive until `withdraw`."""
 
     def __init__(self, session: SharedSession, token: Token) -> None:
-        self.token = token
         self.text = token.format()
         self._session = session
         self._declared = session.liveliness.declare_token(self.text)
@@ -80,3 +83,43 @@ class LiveToken:
         """Withdraw the token. Call it once."""
         self._declared.undeclare()
         self._session.graph.apply_tokens([(self.text, False)])
+
+
+class NodeEntities:
+    """Declares the tokens of one node: one for the node, and one for each of its endpoints."""
+
+    def __init__(self, session: SharedSession, node_name: str) -> None:
+        self.session = session
+        node_id = session.next_id()
+        self._token = Token(
+            session.domain_id,
+            session.session_id,
+            node_id,
+            node_id,
+            TokenKind.NODE,
+            namespace_of(node_name),
+            node_name.rpartition("/")[2],
+        )
+
+    def declare_node(self) -> LiveToken:
+        """Announce the node."""
+        return LiveToken(self.session, self._token)
+
+    def declare(
+        self, kind: TokenKind, name: str, support: MessageSupport | ServiceSupport, qos: Qos = DEFAULT_QOS
+    ) -> LiveToken:
+        """Announce an endpoint of a topic or service."""
+        token = replace(
+            self._token,
+            entity_id=self.session.next_id(),
+            kind=kind,
+            name=name,
+            type=dds_name(support.name),
+            type_hash=support.type_hash,
+            qos=qos,
+        )
+        return LiveToken(self.session, token)
+
+    def key(self, name: str, support: MessageSupport | ServiceSupport) -> str:
+        """Return the key expression of a topic's samples or of a service's queries."""
+        return data_key(self.session.domain_id, name, dds_name(support.name), support.type_hash)

@@ -15,14 +15,12 @@ from rostether.graph.ports import Level, OnConnection, OnMessages, Report
 from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
 from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.handover import Handover, loss_text
-from rostether.ros2.naming import dds_name
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
 from rostether.ros2.zenoh.described_types import Describe, DescribedTypes
-from rostether.ros2.zenoh.entities import NodeEntities
-from rostether.ros2.zenoh.mismatches import Mismatches
-from rostether.ros2.zenoh.shared_session import LiveToken
+from rostether.ros2.zenoh.mismatches import Mismatches, is_of_type
+from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities
 from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
 
@@ -77,13 +75,12 @@ class ZenohSubscriber:
         self._publishers: set[Token] = set()
         self._is_paused = False
         self._tokens: dict[str, LiveToken] = {}
-        domain_id = node.session.domain_id
         if support is None:
             self._mismatches = None
-            self._key = data_key(domain_id, topic, "*", "*")
+            key = data_key(node.session.domain_id, topic, "*", "*")
         else:
             self._mismatches = Mismatches(topic, support, callbacks.report)
-            self._key = data_key(domain_id, topic, dds_name(support.name), support.type_hash)
+            key = node.key(topic, support)
         self._queue: Handover[tuple[str, bytes, Received]] = Handover(
             self._handle_samples, limit=DEFAULT_QUEUE_BYTES
         )
@@ -98,7 +95,7 @@ class ZenohSubscriber:
         # Publishers that are not latched keep no history, so requesting it costs nothing.
         self._subscriber = ext.declare_advanced_subscriber(
             node.session.zenoh,
-            self._key,
+            key,
             zenoh.handlers.Callback(
                 self._put if support is not None and self._accepts_all else self._put_of_any, indirect=False
             ),
@@ -225,8 +222,7 @@ class ZenohSubscriber:
     def _of_token(self, token: Token) -> MessageSupport | None:
         if self._support is None:
             return self._only_learned(self._types.find(token.type, token.type_hash, token.node_name))
-        is_own = token.type == dds_name(self._support.name) and token.type_hash == self._support.type_hash
-        return self._support if is_own else None
+        return self._support if is_of_type(token, self._support) else None
 
     def _is_of_learned_type(self, token: Token) -> bool:
         support = self._learned_type
@@ -256,9 +252,7 @@ class ZenohSubscriber:
 
     def _declare_token(self, support: MessageSupport) -> None:
         if support.name not in self._tokens and support.type_hash != ANY_HASH:
-            self._tokens[support.name] = self._node.declare(
-                TokenKind.SUBSCRIBER, self.topic, dds_name(support.name), support.type_hash
-            )
+            self._tokens[support.name] = self._node.declare(TokenKind.SUBSCRIBER, self.topic, support)
 
     def _refuse(self, error: SerializationError) -> None:
         if not self._is_misfit_reported:
