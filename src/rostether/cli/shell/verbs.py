@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Coroutine, Iterable, Iterator, Mapping
 from importlib import import_module
 from itertools import groupby
 from textwrap import dedent
@@ -101,20 +101,23 @@ class _CommandWithExamples(click.Command):
 
 
 class Verb(_CommandWithExamples):
-    """A command of the command line.
+    """A command of the command line; its function may be a coroutine function.
 
-    `old_options` maps former names of options, which stay accepted, to the current ones; `hints` maps
-    options that users expect to the right spelling.
+    With `is_service`, `shell.running.run` runs the coroutine as a service. `old_options` maps former names of
+    options, which stay accepted, to the current ones; `hints` maps options that users expect to the right
+    spelling.
     """
 
     def __init__(
         self,
         *args: Any,
+        is_service: bool = False,
         old_options: Mapping[str, str] = MappingProxyType({}),
         hints: Mapping[str, str] = MappingProxyType({}),
         **kwargs: Any,
     ) -> None:
         super().__init__(*args, **kwargs)
+        self.is_service = is_service
         self.old_options = old_options
         self.hints = hints
 
@@ -136,7 +139,12 @@ class Verb(_CommandWithExamples):
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; from now on Ctrl-C raises KeyboardInterrupt, so that the command can clean up."""
         raise_at_interrupt()
-        return super().invoke(ctx)
+        result = super().invoke(ctx)
+        if not isinstance(result, Coroutine):
+            return result
+        from rostether.cli.shell.running import run
+
+        return run(result, is_service=self.is_service)
 
     def _renamed(self, arguments: list[str]) -> list[str]:
         end = arguments.index("--") if "--" in arguments else len(arguments)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import asyncio
+
 import click
 import pytest
 
@@ -28,6 +30,15 @@ def test_former_names_of_options_stay_accepted(
 ) -> None:
     example.main(typed, standalone_mode=False)
     assert capsys.readouterr().out == f"{printed}\n"
+
+
+def test_a_coroutine_function_is_run_and_its_result_is_the_exit_code() -> None:
+    @click.command(cls=Verb)
+    async def slow() -> int:
+        await asyncio.sleep(0)
+        return 3
+
+    assert slow.main([], standalone_mode=False) == 3
 
 
 def test_help_shows_only_present_names(shell: Shell) -> None:
