@@ -143,9 +143,9 @@ def bag() -> None:
     verbs=verb_entries(
         "rostether.cli.robot",
         {
-            "echo": ("tf_echo:echo", "Print the transform between two frames."),
-            "tree": ("tf_tree:tree", "Show the tree of frames."),
-            "monitor": ("tf_monitor:monitor", "Show the delay and rate of transforms."),
+            "echo": ("tf:echo", "Print the transform between two frames."),
+            "tree": ("tf:tree", "Show the tree of frames."),
+            "monitor": ("tf:monitor", "Show the delay and rate of transforms."),
             "static": ("tf_static:static", "Publish a static transform."),
         },
     ),
