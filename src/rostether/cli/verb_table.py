@@ -38,7 +38,7 @@ VERBS: dict[str, VerbEntry] = {
         {
             "new": ("firmware.new:new", "Write a new sketch."),
             "firmware": ("groups:firmware", "Build, measure and flash sketches; generate their library."),
-            "flash": ("launch.flash:flash", "Build and flash a sketch, and connect the board."),
+            "flash": ("firmware.build:flash", "Build and flash a sketch, and connect the board."),
         },
         heading="Sketches",
     ),

@@ -1,27 +1,37 @@
-"""`rostether firmware build`, `upload` and `sim`: build a sketch, flash it, or run it simulated."""
+"""`rostether firmware build`, `upload` and `sim`, and `rostether flash`: sketches, flashed or simulated."""
 
 from __future__ import annotations
 
 import os
+import re
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from rostether.cli.access.completions import complete_ports
 from rostether.cli.board.run import OLD_OPTIONS, board_run
-from rostether.cli.firmware.options import build, build_options, port_option
+from rostether.cli.firmware.options import SketchOptions, build, sketch_options
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
+from rostether.cli.shell.own_command import own_command, replace_process
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import FirmwareError
 
 if TYPE_CHECKING:
-    from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
+    from rostether.firmware.built_firmware import BuiltFirmware
     from rostether.firmware.elf import ElfFile
 
 # The build's own options cover these.
 _BUILD_OPTIONS = frozenset(("program", "board", "msg_paths"))
+# The baud rate that a sketch sets.
+_BAUD = re.compile(r"\bsetBaud\s*\(\s*([0-9]+)\s*\)")
+
+_port_option = add_option(
+    "-p --port PORT", "The board's serial port (default: the only one found).", shell_complete=complete_ports
+)
 
 
 @verb(
@@ -33,30 +43,22 @@ _BUILD_OPTIONS = frozenset(("program", "board", "msg_paths"))
     rostether firmware build robot --board esp32:esp32:esp32    with arduino-cli
     """,
 )
-@build_options
+@sketch_options
 @add_option(
     "-o --output folder DIR", "Copy the ELF and HEX files there (default: they stay in the cache).", type=PATH
 )
 @json_option
-def firmware_build(
-    sketch: Path, board_name: str, options: BuildOptions, folder: Path | None, as_json: bool
-) -> None:
+async def firmware_build(options: SketchOptions, folder: Path | None, as_json: bool) -> None:
     """Build a sketch: an .ino file, a folder with one, or a .cpp file.
 
     The included headers select the libraries, from --library, the ROS library (generated for this sketch),
     the Arduino sketchbook, the core (Wire, SPI, EEPROM, SoftwareSerial) and a built-in Servo. Unchanged files
     are not compiled again. Needs Debian's gcc-avr, avr-libc and arduino-core-avr, or arduino-cli.
     """
-    run(_build(sketch, board_name, options, folder, as_json))
-
-
-async def _build(
-    sketch: Path, board_name: str, options: BuildOptions, folder: Path | None, as_json: bool
-) -> None:
     from rostether.firmware.build import save_outputs
     from rostether.firmware.elf import ElfFile
 
-    built = await build(sketch, board_name, options)
+    built = await build(options)
     elf = ElfFile.read(built.elf)
     await refuse_too_large(built, elf)
     paths = save_outputs(built, folder) if folder is not None else (built.elf, built.image)
@@ -121,18 +123,18 @@ def _record(built: BuiltFirmware, elf: ElfFile, paths: tuple[Path, Path]) -> dic
     rostether firmware upload robot --board nano:atmega328old      a Nano with the old bootloader
     """,
 )
-@build_options
-@port_option
-def firmware_upload(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> None:
+@sketch_options
+@_port_option
+async def firmware_upload(options: SketchOptions, port: str | None) -> None:
     """Build a sketch and flash it with avrdude (or arduino-cli).
 
     A sketch that does not fit is not flashed. If only the stack may be too large, the command prints a
     warning first.
     """
-    run(upload_sketch(sketch, board_name, options, port))
+    await upload_sketch(options, port)
 
 
-async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, port: str | None) -> str:
+async def upload_sketch(options: SketchOptions, port: str | None) -> str:
     """Build and flash a sketch; return the port of the board. Raises FirmwareError, ConfigError."""
     from rostether.firmware.build import find_board
     from rostether.firmware.elf import ElfFile
@@ -140,16 +142,17 @@ async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, po
     from rostether.firmware.sketch import open_sketch
     from rostether.firmware.upload import prepare_upload, upload
 
-    open_sketch(sketch)
+    open_sketch(options.sketch)
+    how = options.build_options()
     # The port is checked first, because a build may take half a minute.
-    chosen = await prepare_upload(find_board(board_name), port, uses_arduino_cli=options.uses_arduino_cli)
-    built = await build(sketch, board_name, options)
+    chosen = await prepare_upload(find_board(options.board), port, uses_arduino_cli=how.uses_arduino_cli)
+    built = await build(options)
     elf = ElfFile.read(built.elf)
     await refuse_too_large(built, elf)
     for line in (await measure_built(built)).warnings():
         warn(f"WARNING: {line}")
     write_line(f"flashing {built.board.title} on {chosen}: {describe_sizes(built, elf)}")
-    await upload(built, chosen, uses_arduino_cli=options.uses_arduino_cli, show=options.show)
+    await upload(built, chosen, uses_arduino_cli=how.uses_arduino_cli, show=how.show)
     write_line("done; the board now runs the sketch")
     return chosen
 
@@ -162,18 +165,46 @@ async def upload_sketch(sketch: Path, board_name: str, options: BuildOptions, po
     """,
     old_options=OLD_OPTIONS,
 )
-@build_options
+@sketch_options
 @click.pass_context
-def firmware_sim(
-    context: click.Context, /, sketch: Path, board_name: str, options: BuildOptions, **board_options: Any
-) -> None:
+def firmware_sim(context: click.Context, /, options: SketchOptions, **board_options: Any) -> None:
     """Build a sketch and run it on a simulated board.
 
     The options, commands and events are those of `rostether board run`, which also runs
     programs that are already built.
     """
-    built = run(build(sketch, board_name, options))
-    context.invoke(board_run, program=built.elf, board=board_name, msg_paths=(), **board_options)
+    built = run(build(options))
+    context.invoke(board_run, program=built.elf, board=options.board, msg_paths=(), **board_options)
 
 
 firmware_sim.params += [each for each in board_run.params if each.name not in _BUILD_OPTIONS]
+
+
+@verb(
+    "flash",
+    """
+    rostether flash ultrasound                     to the only board plugged in
+    rostether flash robot --board mega --port /dev/ttyACM0
+    """,
+)
+@sketch_options
+@_port_option
+def flash(options: SketchOptions, port: str | None) -> None:
+    """Build a sketch, flash it, and connect the board to the ROS graph until Ctrl-C.
+
+    It combines `rostether firmware upload` and `rostether serve`; the log shows the board's topics.
+    """
+    address = _address_of(options.sketch, run(upload_sketch(options, port)))
+    write_line(f"rostether serve {shlex.quote(address)}")
+    replace_process(own_command("serve", address), os.environ)
+
+
+def _address_of(sketch: Path, port: str) -> str:
+    """Return the link address of a port, with the baud rate that the sketch sets."""
+    from rostether.firmware.sketch import open_sketch
+
+    found = open_sketch(sketch)
+    for file in (*found.inos, *found.sources):
+        if match := _BAUD.search(file.read_text(encoding="utf-8", errors="replace")):
+            return f"{port}?baud={match[1]}"
+    return port

@@ -1,18 +1,18 @@
-"""The common part of `firmware build`, `size`, `upload` and `sim`: their options, and running a build."""
+"""The common part of the commands that build a sketch: their options, and running a build."""
 
 from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.option_group import PATH, add_flag, add_option, option_group
+from rostether.cli.shell.option_group import PATH, argument, flag, option, option_group, shared
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import SketchError
@@ -20,7 +20,6 @@ from rostether.errors import SketchError
 if TYPE_CHECKING:
     from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 
-DEFAULT_BOARD = "uno"
 ARDUINO_CLI = "arduino-cli"
 AVR_GCC = "avr-gcc"
 
@@ -37,28 +36,63 @@ def complete_boards(_ctx: click.Context, _param: click.Parameter, incomplete: st
     return sorted(name for name in names if name.lower().startswith(incomplete.lower()))
 
 
-board_option = add_option(
-    "-b --board board_name BOARD",
-    "uno, mega, leonardo, nano, micro ...; nano:atmega328old for a processor; or an FQBN.",
-    default=DEFAULT_BOARD,
-    show_default=True,
-    shell_complete=complete_boards,
-)
+@dataclass(frozen=True, slots=True)
+class SketchOptions:
+    """A sketch, its board, and how to build it."""
+
+    sketch: Path = argument(metavar="SKETCH", type=PATH)
+    board: str = option(
+        "-b --board BOARD",
+        "uno, mega, leonardo, nano, micro ...; nano:atmega328old for a processor; or an FQBN.",
+        default="uno",
+        show_default=True,
+        shell_complete=complete_boards,
+    )
+    libraries: tuple[Path, ...] = option(
+        "-l --library DIR",
+        "An Arduino library, or a folder of libraries; searched first; may be repeated.",
+        multiple=True,
+        type=PATH,
+    )
+    msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
+    defines: tuple[str, ...] = option(
+        "-D --define NAME[=VALUE]", "Define a macro; may be repeated.", multiple=True
+    )
+    warnings: bool = flag("--warnings", "Show the compiler's warnings about the sketch.")
+    verbose: bool = flag("-v --verbose", "Show every command before it runs.")
+    builder: str = option(
+        "--with",
+        "Build with Debian's compiler (the default), or arduino-cli, which also builds for non-AVR boards.",
+        type=click.Choice([AVR_GCC, ARDUINO_CLI]),
+        default=AVR_GCC,
+    )
+
+    def build_options(self) -> BuildOptions:
+        """Return how to build the sketch."""
+        from rostether.firmware.built_firmware import BuildOptions
+
+        return BuildOptions(
+            libraries=self.libraries,
+            msg_paths=tuple(each.expanduser() for each in self.msg_paths),
+            defines=self.defines,
+            warnings=self.warnings,
+            uses_arduino_cli=self.builder == ARDUINO_CLI,
+            show=_show if self.verbose else None,
+        )
 
 
-port_option = add_option(
-    "-p --port PORT", "The board's serial port (default: the only one found).", shell_complete=complete_ports
-)
+sketch_options = option_group("options", SketchOptions)
 
 
-async def build(sketch: Path, board_name: str, options: BuildOptions) -> BuiltFirmware:
+async def build(options: SketchOptions) -> BuiltFirmware:
     """Build a sketch; the compiler's output goes to stderr unchanged."""
     from rostether.firmware.build import build_sketch, find_board
 
     try:
-        board = find_board(board_name)
-        with reported_when_long(_show_wait, f"building {sketch} for {board.title}; this takes a few seconds"):
-            built = await build_sketch(sketch, board, options)
+        board = find_board(options.board)
+        waiting = f"building {options.sketch} for {board.title}; this takes a few seconds"
+        with reported_when_long(_show_wait, waiting):
+            built = await build_sketch(options.sketch, board, options.build_options())
     except SketchError as error:
         warn(error.diagnostics.rstrip("\n"))
         raise
@@ -75,50 +109,3 @@ def _show_wait(text: str) -> None:
 
 def _show(command: Sequence[str]) -> None:
     warn(shlex.join(command))
-
-
-_OPTIONS: tuple[Callable[[Any], Any], ...] = (
-    click.argument("sketch", metavar="SKETCH", type=PATH),
-    board_option,
-    add_option(
-        "-l --library libraries DIR",
-        "An Arduino library, or a folder of libraries; searched first; may be repeated.",
-        multiple=True,
-        type=PATH,
-    ),
-    msg_path_option,
-    add_option("-D --define defines NAME[=VALUE]", "Define a macro; may be repeated.", multiple=True),
-    add_flag("--warnings", "Show the compiler's warnings about the sketch."),
-    add_flag("-v --verbose", "Show every command before it runs."),
-    add_option(
-        "--with builder",
-        "Build with Debian's compiler (the default), or arduino-cli, which also builds for non-AVR boards.",
-        type=click.Choice([AVR_GCC, ARDUINO_CLI]),
-        default=AVR_GCC,
-    ),
-)
-
-
-def _build_options(
-    *,
-    libraries: tuple[Path, ...] = (),
-    msg_paths: tuple[Path, ...] = (),
-    defines: tuple[str, ...] = (),
-    warnings: bool = False,
-    verbose: bool = False,
-    builder: str = AVR_GCC,
-) -> BuildOptions:
-    from rostether.firmware.built_firmware import BuildOptions
-
-    return BuildOptions(
-        libraries=libraries,
-        msg_paths=tuple(each.expanduser() for each in msg_paths),
-        defines=defines,
-        warnings=warnings,
-        uses_arduino_cli=builder == ARDUINO_CLI,
-        show=_show if verbose else None,
-    )
-
-
-# Adds the sketch, as `sketch`, its board, as `board_name`, and the options of the build, as `options`.
-build_options = option_group("options", _build_options, _OPTIONS)

@@ -10,19 +10,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
 from msgspec import to_builtins
 from rich.console import Console
 from rich.table import Table
 
-from rostether.cli.firmware.options import build, build_options
-from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.firmware.options import SketchOptions, build, sketch_options
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
-    from rostether.firmware.built_firmware import BuildOptions
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import Footprint, Group, Item
     from rostether.firmware.sketch_endpoints import Endpoint
@@ -47,21 +44,16 @@ _MAX_SHOWN_CALLS = 6
     rostether firmware size robot --json
     """,
 )
-@build_options
+@sketch_options
 @json_option
-def firmware_size(sketch: Path, board_name: str, options: BuildOptions, as_json: bool) -> None:
+async def firmware_size(options: SketchOptions, as_json: bool) -> int:
     """Show how much flash and RAM a sketch uses, and which parts of it use them.
 
     The stack is estimated from the deepest chain of calls plus the deepest interrupt. In a sketch with ROS,
     each message is compared with the input buffer. The exit code is 1 if the sketch does not fit. If only the
     stack may be too large, the command prints a warning.
     """
-    if not run(_size(sketch, board_name, options, as_json)):
-        raise click.exceptions.Exit(EXIT_FAILED)
-
-
-async def _size(sketch: Path, board_name: str, options: BuildOptions, as_json: bool) -> bool:
-    title, footprint, endpoints, buffer_bytes = await _measure(sketch, board_name, options)
+    title, footprint, endpoints, buffer_bytes = await _measure(options)
     problems = [*footprint.refusals(), *footprint.warnings()]
     problems += [
         f"{each.topic or each.name}: {each.type_name} has {each.incoming_bytes} bytes and "
@@ -76,30 +68,25 @@ async def _size(sketch: Path, board_name: str, options: BuildOptions, as_json: b
             write_line(line)
         for problem in problems:
             warn(f"WARNING: {problem}")
-    return footprint.fits
+    return EXIT_DONE if footprint.fits else EXIT_FAILED
 
 
-async def _measure(
-    sketch: Path, board_name: str, options: BuildOptions
-) -> tuple[str, Footprint, list[Endpoint], int]:
+async def _measure(options: SketchOptions) -> tuple[str, Footprint, list[Endpoint], int]:
     from rostether.firmware.build import find_board
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import measure, measure_built
 
-    if sketch.suffix == ".elf":
-        elf = ElfFile.read(sketch)
-        return sketch.stem, await measure(elf, find_board(board_name)), *await _endpoints(elf, (), options)
-    built = await build(sketch, board_name, options)
+    if options.sketch.suffix == ".elf":
+        elf = ElfFile.read(options.sketch)
+        footprint = await measure(elf, find_board(options.board))
+        return options.sketch.stem, footprint, *await _endpoints(elf, (), options)
+    built = await build(options)
     elf = ElfFile.read(built.elf)
-    return (
-        built.sketch.name,
-        await measure_built(built, elf),
-        *await _endpoints(elf, built.sources, options),
-    )
+    return built.sketch.name, await measure_built(built, elf), *await _endpoints(elf, built.sources, options)
 
 
 async def _endpoints(
-    elf: ElfFile, sources: tuple[Path, ...], options: BuildOptions
+    elf: ElfFile, sources: tuple[Path, ...], options: SketchOptions
 ) -> tuple[list[Endpoint], int]:
     from rostether.firmware.demangle import demangle
     from rostether.firmware.sketch_endpoints import find_endpoints, input_buffer_bytes

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import shlex
-import sys
-from collections.abc import Mapping, Sequence
 
 import click
 
@@ -15,8 +13,8 @@ from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import complete_package_folders, complete_programs, packages_here
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.own_command import replace_process
 from rostether.cli.shell.verbs import verb
-from rostether.errors import ConfigError
 from rostether.rospy.environment import script_environment
 
 
@@ -55,15 +53,3 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
     if debug:
         write_line(shlex.join(words))
     replace_process(words, script_environment(os.environ, packages))
-
-
-def replace_process(words: Sequence[str], environ: Mapping[str, str]) -> None:
-    """Replace this process: signals and the exit code are then the node's own. Raises ConfigError."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    try:
-        os.execvpe(words[0], list(words), environ)  # noqa: S606
-    except OSError as error:
-        raise ConfigError(
-            f"{words[0]} cannot be run: {error.strerror}; check the path and the first line of the program"
-        ) from error

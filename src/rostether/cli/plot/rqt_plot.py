@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.launch.run import replace_process
 from rostether.cli.role.node import RoleVerb
 from rostether.cli.shell.output import warn
-from rostether.cli.shell.own_command import own_command
+from rostether.cli.shell.own_command import own_command, replace_process
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, DefinitionError

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from rostether.cli.launch import flash as flash_module
+from rostether.cli.firmware import build as build_module
 from unit.cli.command_shell import Shell
 
 
@@ -22,7 +22,7 @@ def test_flash_uploads_and_then_serves(
     async def uploaded(*_: Any) -> str:
         return "/dev/ttyACM0"
 
-    monkeypatch.setattr(flash_module, "upload_sketch", uploaded)
-    monkeypatch.setattr(flash_module, "replace_process", lambda words, _: started.append(words))
+    monkeypatch.setattr(build_module, "upload_sketch", uploaded)
+    monkeypatch.setattr(build_module, "replace_process", lambda words, _: started.append(words))
     assert address in shell.output("flash", str(tmp_path / "a.ino"))
     assert started[0][-2:] == ["serve", address]
