@@ -35,7 +35,7 @@ _LIBRARIES = {
     DEBIAN_PYTHON: "rospy,rosbag,rosmsg,rosnode,rosservice,rostopic,geometry_msgs.msg,nav_msgs.msg,"
     "sensor_msgs.msg,std_srvs.srv,argparse,logging.config",
     sys.executable: "rostether.cli.main,rostether.cli.bridge.serve,rostether.cli.topic.ros1_echo,"
-    "rostether.cli.launch.launch_run,rostether.cli.dashboard.served,rostether.bridge.supervisor,"
+    "rostether.cli.launch.loaded_launch,rostether.launch.runner,rostether.cli.dashboard.served,rostether.bridge.supervisor,"
     "rostether.ros1.master.server,rostether.ros1.node.node,rostether.transports.serial,"
     "rostether.gateways.websocket.server,rostether.simulation.simavr.simulated_board,"
     "rostether.firmware.build,rostether.graph.typed_graph,rostether.ros2.zenoh.session,"

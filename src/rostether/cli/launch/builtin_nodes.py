@@ -112,9 +112,6 @@ _TERMINAL_VIEWS = {"rqt_graph": ("graph",), "rqt_plot": ("role", "rqt-plot")}
 _RVIZ_VALUES = {"-d", "--display-config", "-s", "--splash-screen", "--help-file", "-f", "--fixed-frame", "-t"}
 _RVIZ_FILE = {"-d", "--display-config"}
 
-# Built-in programs that launch files run for a parameter's value: `$(find xacro)/xacro`.
-_PROGRAMS = {("xacro", "xacro"): ("xacro",)}
-
 
 def builtin_nodes() -> dict[tuple[str, str], list[str]]:
     """Map (package, type) of the built-in nodes to whole command lines, without the node's arguments."""
@@ -180,8 +177,3 @@ def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path 
         if found is not None and not is_shim(Path(found)):
             return Path(found)
     return None
-
-
-def builtin_programs() -> dict[tuple[str, str], list[str]]:
-    """Map (package, program) to whole command lines, without the program's arguments."""
-    return {program: own_command(*words) for program, words in _PROGRAMS.items()}

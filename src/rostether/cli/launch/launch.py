@@ -18,13 +18,16 @@ from rostether.cli.gateway.options import (
     dashboard_option,
     viewer_access_options,
 )
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED, print_error
 from rostether.cli.shell.option_group import FILE, PORT, POSITIVE, flag, ignored_options, option, option_group
-from rostether.cli.shell.output import write_file, write_line
+from rostether.cli.shell.output import warn, write_file, write_line
 from rostether.cli.shell.verbs import verb
+from rostether.errors import MasterUnreachableError
+from rostether.graph.ports import Level
 
 if TYPE_CHECKING:
+    from rostether.cli.dashboard.settings import DashboardSettings
     from rostether.cli.launch.loaded_launch import LoadedLaunch
-    from rostether.launch.runner import RunOptions
     from rostether.ros1.environment import RosEnvironment
 
 
@@ -92,18 +95,6 @@ class LaunchOptions:
         only_lists = self.lists_nodes or self.lists_arguments or self.lists_files
         return not (only_lists or self.args_of is not None or self.file_of is not None)
 
-    def run_options(self) -> RunOptions:
-        """Return how to run the nodes."""
-        from rostether.launch.node_process import StopLimits
-        from rostether.launch.plan import Output
-        from rostether.launch.runner import RunOptions
-
-        return RunOptions(
-            output=Output.SCREEN if self.screen else Output.LOG if self.to_log else None,
-            all_required=self.required,
-            stop_limits=StopLimits(self.sigint_timeout_s, self.sigterm_timeout_s),
-        )
-
 
 def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return packages with launch files; after a package, its launch files."""
@@ -149,7 +140,7 @@ def launch(
     dashboard: str | None,
     gateways: GatewayOptions,
     graph: GraphOptions,
-) -> None:
+) -> int:
     """Set the parameters and start the nodes of launch files; start a master if none runs.
 
     Packages are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it; nothing
@@ -157,7 +148,6 @@ def launch(
     """
     from rostether.cli.access.ros1_access import read_environment
     from rostether.cli.dashboard.settings import DashboardSettings
-    from rostether.cli.launch.launch_run import MasterSettings, run_launch
     from rostether.cli.launch.loaded_launch import load
     from rostether.cli.shell.running import run
     from rostether.launch.listing import summary_lines
@@ -167,18 +157,62 @@ def launch(
     loaded = load(words, runs_commands=options.runs_commands)
     if (listing := _listing(options, loaded, environment)) is not None:
         _print(listing)
-        return
+        return EXIT_DONE
     loaded.warn()
     if not options.no_summary:
         _print(summary_lines(loaded.plan))
     views = tuple(loaded.views)
     address = DEFAULT_ADDRESS if dashboard is None and views else dashboard
     settings = DashboardSettings(address, gateways, views=views) if address is not None else None
-    master = MasterSettings(
-        environment, is_chosen=graph.master is not None, port=options.port, waits=options.wait
-    )
+    is_chosen = graph.master is not None
     with _written_pid(options.pid_file):
-        run(run_launch(loaded, master, options.run_options(), settings), is_service=True)
+        return run(_run(loaded, options, environment, settings, is_chosen=is_chosen), is_service=True)
+
+
+async def _run(
+    loaded: LoadedLaunch,
+    options: LaunchOptions,
+    environment: RosEnvironment,
+    dashboard: DashboardSettings | None,
+    *,
+    is_chosen: bool,
+) -> int:
+    """Run the nodes until all have ended; return the exit code. `is_chosen`: an option named the master."""
+    from rostether.cli.access.ros1_access import no_master, ros1_join
+    from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master, wait_for_answer
+    from rostether.cli.dashboard.browser import has_browser, open_browser
+    from rostether.cli.dashboard.optional import optional_dashboard
+    from rostether.launch.node_process import StopLimits
+    from rostether.launch.plan import Output
+    from rostether.launch.runner import RunOptions, run_plan
+
+    if options.wait and not await master_answers(environment):
+        write_line(f"Waiting for the ROS master at {environment.master_uri}")
+        await wait_for_answer(environment)
+    async with used_master(environment, is_chosen=is_chosen, port=options.port) as used:
+        write_line(used.line)
+        graphs = ServedGraphs(ros1_join(used.environment), used.environment, ())
+        try:
+            async with optional_dashboard(dashboard, graphs, loaded.package_folders, _report) as served:
+                if served is not None and has_browser(os.environ):
+                    for url in served.view_urls:
+                        await open_browser(url)
+                succeeded = await run_plan(
+                    loaded.plan,
+                    master_uri=used.environment.master_uri,
+                    environ=loaded.environ,
+                    locate=loaded.locate,
+                    report=_report,
+                    options=RunOptions(
+                        output=Output.SCREEN if options.screen else Output.LOG if options.to_log else None,
+                        all_required=options.required,
+                        stop_limits=StopLimits(options.sigint_timeout_s, options.sigterm_timeout_s),
+                        stays=used.is_started_here or dashboard is not None,
+                    ),
+                )
+        except MasterUnreachableError as error:
+            raise no_master(used.environment, error) from error
+    return EXIT_DONE if succeeded else EXIT_FAILED
 
 
 def _listing(options: LaunchOptions, loaded: LoadedLaunch, environment: RosEnvironment) -> list[str] | None:
@@ -217,3 +251,12 @@ def _written_pid(file: Path | None) -> Iterator[None]:
 def _print(lines: Iterable[str]) -> None:
     for line in lines:
         write_line(line)
+
+
+def _report(level: int, text: str) -> None:
+    if level >= Level.ERROR:
+        print_error(text)
+    elif level >= Level.WARN:
+        warn(f"WARNING: {text}")
+    else:
+        write_line(text)

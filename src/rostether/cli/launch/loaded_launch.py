@@ -11,11 +11,12 @@ from msgspec import Struct
 
 from rostether.cli.access.graph_options import ros_arguments
 from rostether.cli.dashboard.view import View, read_view
-from rostether.cli.launch.builtin_nodes import builtin_nodes, builtin_programs, replacement_line, window_view
+from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, window_view
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import packages_here
 from rostether.cli.shell.input import STDIN, read_bytes
 from rostether.cli.shell.output import warn
+from rostether.cli.shell.own_command import own_command
 from rostether.errors import ConfigError
 from rostether.launch.command_line import Locate, Program, Replaced
 from rostether.launch.loading import load_launch
@@ -88,7 +89,8 @@ def load(words: Sequence[str], *, runs_commands: bool) -> LoadedLaunch:
         environ,
         packages,
         text=read_bytes(STDIN) if sources.reads_stdin else None,
-        programs=builtin_programs(),
+        # Launch files run it for a parameter's value: `$(find xacro)/xacro`.
+        programs={("xacro", "xacro"): own_command("xacro")},
         builtin_packages={package for package, _ in builtin_nodes()},
         runs_commands=runs_commands,
     )
