@@ -16,7 +16,7 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
-from rostether.cli.platform.fleet_doctor import examine_fleet
+from rostether.cli.platform.fleet import examine_fleet
 from rostether.platform.command_link import ReceiverSettings, SenderSettings
 from rostether.platform.fleet import FleetSettings
 from rostether.platform.host_state import read_host

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -12,10 +11,9 @@ import click
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.board.console import EventPrinter, handling_commands, show_start
 from rostether.cli.board.opencr import OPENCR, run_opencr
-from rostether.cli.board.qemu import run_in_qemu
+from rostether.cli.board.qemu import find_program, run_in_qemu
 from rostether.cli.shell.option_group import PATH, flag, option, option_group
 from rostether.cli.shell.output import json_option, warn
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import BoardError
 from rostether.simulation.qemu import MACHINES
@@ -95,6 +93,11 @@ class BoardOptions:
         commands += [f"{word} {value}" for word in _SINGLE if (value := getattr(self, word)) is not None]
         return (*commands, "autoreset on") if self.autoreset else tuple(commands)
 
+    @property
+    def has_avr_options(self) -> bool:
+        """Whether there are options that only simulated AVR boards have, besides `commands`."""
+        return any((self.duration, self.uart, self.tcp_port, self.is_fast, self.seed))
+
 
 @verb(
     "board-run",
@@ -104,45 +107,34 @@ class BoardOptions:
     rostether board run imu.elf --board mega --attitude "10 0 90" --json
     rostether board run test.elf --fast --duration 2s
     """,
+    is_service=True,
     old_options=OLD_OPTIONS,
 )
 @click.argument("program", type=PATH)
-@option_group("options", BoardOptions)
+@option_group("start", BoardOptions)
 @msg_path_option
 @json_option
-def board_run(program: Path, options: BoardOptions, msg_paths: tuple[Path, ...], as_json: bool) -> None:
+async def board_run(program: Path, start: BoardOptions, msg_paths: tuple[Path, ...], as_json: bool) -> None:
     """Run a sketch, or an ELF or HEX file, on a simulated Arduino board.
 
     Its serial port is a pseudo-terminal, whose path is printed: `rostether serve` accepts it. While it runs,
     lines of standard input are commands with the names of the options (adc A0=2.5, range 0.5, pin D7=1,
     fault none) and more (reset, power off, memory SYMBOL); see the reference of commands and events.
     """
-    if options.link_path is not None and options.tcp_port is not None:
-        raise click.UsageError("give --link or --tcp, not both")
-    run(_run(program, options, msg_paths, as_json), is_service=True)
-
-
-def _simulator_time(text: str) -> str:
-    """Return a duration as the simulator reads it, where a number without a unit is in cycles."""
-    if text.endswith(" cycles"):
-        return text.removesuffix(" cycles")
-    return f"{text}s" if text.replace(".", "", 1).isdecimal() else text
-
-
-async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as_json: bool) -> None:
-    from rostether.cli.board.qemu import find_program
     from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
+    if start.link_path is not None and start.tcp_port is not None:
+        raise click.UsageError("give --link or --tcp, not both")
     if start.board in MACHINES:
-        others = (start.commands, start.duration, start.uart, start.tcp_port, start.is_fast, start.seed)
+        has_others = bool(start.commands) or start.has_avr_options
         await run_in_qemu(
-            program, start.board, start.link_path, has_other_options=any(others), as_json=as_json
+            program, start.board, start.link_path, has_other_options=has_others, as_json=as_json
         )
         return
     if start.board == OPENCR:
-        has_others = any((start.duration, start.uart, start.tcp_port, start.is_fast, start.seed))
+        has_others = start.has_avr_options
         await run_opencr(
             program, start.commands, start.link_path, msg_paths, has_other_options=has_others, as_json=as_json
         )
@@ -186,3 +178,10 @@ async def _run(program: Path, start: BoardOptions, msg_paths: Sequence[Path], as
             printer.flush()
         if not board.has_ended_as_requested:
             raise BoardError("the simulated board ended unexpectedly; please report it")
+
+
+def _simulator_time(text: str) -> str:
+    """Return a duration as the simulator reads it, where a number without a unit is in cycles."""
+    if text.endswith(" cycles"):
+        return text.removesuffix(" cycles")
+    return f"{text}s" if text.replace(".", "", 1).isdecimal() else text

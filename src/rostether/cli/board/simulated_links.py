@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from rostether.bridge.identity import legal_base_name, numbered
 from rostether.cli.access.ros1_access import type_store
 from rostether.cli.board.opencr import OPENCR, start_opencr
-from rostether.cli.board.qemu import start_in_qemu
+from rostether.cli.board.qemu import find_program, measure_program, start_in_qemu
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
 from rostether.mechanisms.block_end import closed_at_end, task_beside
@@ -98,7 +98,6 @@ async def _start_avr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
 ) -> tuple[SimulatedBoard, ProgramSize | None]:
     """Start a board that ends with the exit stack; return it, and the memory use of its program."""
-    from rostether.cli.board.qemu import find_program, measure_program
     from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard

@@ -78,7 +78,7 @@ def doctor(
     if fleet:
         if (port, ros2) != (None, None):
             raise click.UsageError("with --fleet, doctor examines no board; omit PORT and --ros2")
-        from rostether.cli.platform.fleet_doctor import examine_fleet
+        from rostether.cli.platform.fleet import examine_fleet
         from rostether.cli.platform.fleet_options import fleet_settings
 
         settings = fleet_settings(key_file=key_file, interfaces=interfaces)

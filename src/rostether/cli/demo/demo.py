@@ -29,14 +29,12 @@ from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines
 from rostether.cli.shell.keys import split_keys, typed_keys
 from rostether.cli.shell.option_group import PATH, PORT, NumberRange, flag, option, option_group
 from rostether.cli.shell.output import shows_live, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import GraphError
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph, Level, Publisher
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.registry import Registry
-from rostether.ports.device_book import DeviceBook
 from rostether.ros1.environment import RosEnvironment
 from rostether.serde.store import TypeStore
 from rostether.simulation.ultrasound import Obstacle
@@ -89,11 +87,12 @@ class DemoOptions:
     rostether demo --board python  no compiler, a board in Python
     rostether demo --join          show the board to the robot that runs here
     """,
+    is_service=True,
     old_options={"--seconds": "--duration"},
 )
 @option_group("options", DemoOptions)
 @graph_options(master=False, ros=False)
-def demo(options: DemoOptions, graph: GraphOptions) -> None:
+async def demo(options: DemoOptions, graph: GraphOptions) -> None:
     """Run a simulated board and show its topics. Needs no hardware, no ROS and no setup.
 
     The board is an Arduino Uno that runs a compiled sketch, where avr-gcc and libsimavr are installed, else a
@@ -108,10 +107,6 @@ def demo(options: DemoOptions, graph: GraphOptions) -> None:
         raise click.UsageError("--join uses the master that runs; omit --port")
     # The user's settings for real boards must not make the demo fail.
     devices = read_devices(options.config, ()) if options.config is not None else None
-    run(_demo(read_environment(graph), options, devices), is_service=True)
-
-
-async def _demo(environment: RosEnvironment, options: DemoOptions, devices: DeviceBook | None) -> None:
     is_live = shows_live()
     recent = RecentLines()
     reporter = recent if is_live else ConsoleReporter()
@@ -122,7 +117,7 @@ async def _demo(environment: RosEnvironment, options: DemoOptions, devices: Devi
         # Keys are read from the start, so that the terminal does not show those that are pressed early.
         has_keys = is_live and stack.enter_context(typed_keys(controls.press))
         used = await stack.enter_async_context(
-            demo_master(environment, joins=options.join, port=options.port)
+            demo_master(read_environment(graph), joins=options.join, port=options.port)
         )
         reporter.report(Level.INFO, used.line)
         name = await prepare_board(used.environment)

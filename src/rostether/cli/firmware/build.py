@@ -163,18 +163,19 @@ async def upload_sketch(options: SketchOptions, port: str | None) -> str:
     rostether firmware sim blink.ino --watch D13
     rostether firmware sim robot --board mega --library ~/libs/Encoder --link /tmp/board
     """,
+    is_service=True,
     old_options=OLD_OPTIONS,
 )
 @sketch_options
 @click.pass_context
-def firmware_sim(context: click.Context, /, options: SketchOptions, **board_options: Any) -> None:
+async def firmware_sim(context: click.Context, /, options: SketchOptions, **board_options: Any) -> None:
     """Build a sketch and run it on a simulated board.
 
     The options, commands and events are those of `rostether board run`, which also runs
     programs that are already built.
     """
-    built = run(build(options))
-    context.invoke(board_run, program=built.elf, board=options.board, msg_paths=(), **board_options)
+    built = await build(options)
+    await context.invoke(board_run, program=built.elf, board=options.board, msg_paths=(), **board_options)
 
 
 firmware_sim.params += [each for each in board_run.params if each.name not in _BUILD_OPTIONS]

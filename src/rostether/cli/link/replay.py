@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,18 +18,15 @@ from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.serving import serving
 from rostether.cli.shell.option_group import PATH, NumberRange, add_flag, add_option
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.mechanisms.text import counted
-from rostether.ros1.environment import RosEnvironment
 from rostether.transports.address import Address, TcpAddress
 from rostether.transports.peers import PeerEntry
 
 if TYPE_CHECKING:
     from rostether.bridge.supervisor import Supervisor
-    from rostether.transports.capture import Capture
     from rostether.transports.replay import CaptureListener
     from rostether.transports.transport import Transport
 
@@ -53,6 +50,7 @@ AFTER_S = 1.0
     rostether link replay problem.jsonl --speed 4 --name arm
     rostether link replay problem.jsonl --fast
     """,
+    is_service=True,
 )
 @click.argument("file", type=PATH)
 @add_option(
@@ -65,7 +63,7 @@ AFTER_S = 1.0
 @add_option("--name NAME", "The board's node name (default: the name of the file).")
 @graph_options(ros=False)
 @msg_path_option
-def link_replay(
+async def link_replay(
     file: Path, speed: float, fast: bool, name: str | None, graph: GraphOptions, msg_paths: tuple[Path, ...]
 ) -> None:
     """Replay the board's bytes with their original timing.
@@ -74,37 +72,15 @@ def link_replay(
     `serve`, this starts a ROS master if none answers.
     """
     from rostether.bridge.identity import legal_base_name
+    from rostether.bridge.settings import BoardNodes
+    from rostether.bridge.supervisor import Links, Supervisor
     from rostether.names.graph_name import validate_name
     from rostether.transports.capture import Capture
+    from rostether.transports.replay import CaptureListener
 
     capture = Capture(file)
     node_name = name if name is not None else legal_base_name(file.stem)
     validate_name(node_name)
-    run(
-        _replay(
-            read_environment(graph),
-            graph.master is not None,
-            capture,
-            node_name,
-            None if fast else speed,
-            msg_paths,
-        ),
-        is_service=True,
-    )
-
-
-async def _replay(
-    environment: RosEnvironment,
-    is_chosen: bool,
-    capture: Capture,
-    name: str,
-    speed: float | None,
-    msg_paths: Sequence[Path],
-) -> None:
-    from rostether.bridge.settings import BoardNodes
-    from rostether.bridge.supervisor import Links, Supervisor
-    from rostether.transports.replay import CaptureListener
-
     reporter = ConsoleReporter()
     listeners: list[CaptureListener] = []
     settling: list[_Settling] = []
@@ -115,13 +91,13 @@ async def _replay(
     async def listen(
         address: Address, on_transport: Callable[[Transport], None], *, entry: PeerEntry | None = None
     ) -> CaptureListener:
-        listeners.append(CaptureListener(capture, on_transport, speed=speed, settle=settle))
+        listeners.append(CaptureListener(capture, on_transport, speed=None if fast else speed, settle=settle))
         return listeners[-1]
 
-    async with used_master(environment, is_chosen=is_chosen) as used:
+    async with used_master(read_environment(graph), is_chosen=graph.master is not None) as used:
         reporter.report(Level.INFO, used.line)
         # The address only provides the name.
-        addresses = [TcpAddress("capture", 0, name=name)]
+        addresses = [TcpAddress("capture", 0, name=node_name)]
         supervisor = Supervisor(
             ros1_join(used.environment),
             type_store(msg_paths),
@@ -130,7 +106,7 @@ async def _replay(
             links=Links(listen=listen),
         )
         async with serving(supervisor, addresses, reporter):
-            settling.append(_Settling(supervisor, is_fast=speed is None))
+            settling.append(_Settling(supervisor, is_fast=fast))
             (listener,) = listeners
             await listener.play()
             await asyncio.sleep(AFTER_S)

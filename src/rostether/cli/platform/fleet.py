@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import struct
 from contextlib import closing
 from dataclasses import dataclass
@@ -11,9 +12,16 @@ from msgspec.structs import replace
 
 from rostether.cli.platform.fleet_options import MAX_ROBOT, fleet_options, for_robot
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
-from rostether.cli.shell.option_group import POSITIVE, NumberRange, flag, option, option_group, shared
-from rostether.cli.shell.output import json_option, warn, write_json, write_line, write_table
-from rostether.cli.shell.running import run
+from rostether.cli.shell.option_group import (
+    POSITIVE,
+    NumberRange,
+    add_option,
+    flag,
+    option,
+    option_group,
+    shared,
+)
+from rostether.cli.shell.output import json_option, warn, write_finding, write_json, write_line, write_table
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.graph.ports import Level
 from rostether.platform.command_frame import ALL_GROUPS, type_kind
@@ -26,7 +34,7 @@ _VERBS = verb_entries(
     {
         "list": ("fleet:list_robots", "List the robots that answer."),
         "status": ("fleet:status", "Show loss, signal and sender of robots."),
-        "doctor": ("fleet_doctor:doctor", "Find out why robots do not obey."),
+        "doctor": ("fleet:doctor", "Find out why robots do not obey."),
         "drive": ("fleet:drive", "Drive robots in a direction."),
         "stop": ("fleet:stop", "Stop robots, even those of other senders."),
     },
@@ -53,18 +61,18 @@ def fleet() -> None:
 @verb("list", "rostether fleet list --interface wlan0 --key-file fleet.key")
 @json_option
 @fleet_options
-def list_robots(as_json: bool, fleet: FleetSettings) -> int:
+async def list_robots(as_json: bool, fleet: FleetSettings) -> int:
     """List the robots that answer: id, address, whether they move, and which sender commands them."""
-    return run(_query(fleet, as_json, detailed=False))
+    return await _query(fleet, as_json, detailed=False)
 
 
 @verb("status", "rostether fleet status 3 --key-file fleet.key")
 @_robot
 @json_option
 @fleet_options
-def status(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
+async def status(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
     """Show the loss of multicast, the Wi-Fi signal and the sender of one robot, or of all."""
-    return run(_query(for_robot(fleet, robot), as_json, detailed=True))
+    return await _query(for_robot(fleet, robot), as_json, detailed=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,31 +109,92 @@ class DriveOptions:
 )
 @option_group("options", DriveOptions)
 @fleet_options
-def drive(options: DriveOptions, fleet: FleetSettings) -> int:
+async def drive(options: DriveOptions, fleet: FleetSettings) -> int:
     """Drive one robot or groups (arduino_control/ArduinoControl) for the time of --for, or until Ctrl-C.
 
     One sender commands a robot at a time. A robot stops automatically 0.3 s after the last command. The exit
     code is 1 if no robot answers.
     """
+    from rostether.msgdef.registry import Registry
+
     targets = (options.robot is not None, fleet.sender.target != ALL_GROUPS, options.to_all)
     if sum(targets) != 1:
         raise click.UsageError("give one of ROBOT, --groups or --all")
     settings = for_robot(fleet, options.robot)
+    kind = type_kind(Registry().message_type(_CONTROL).md5sum)
+    settings = replace(settings, sender=replace(settings.sender, kind=kind))
     payload = struct.pack("<dd", options.direction_deg, options.speed)
-    return run(_drive(settings, payload, options.duration_s or float("inf")))
+    with closing(FleetSender(settings, _report)) as sender:
+        await sender.drive(payload, options.duration_s or float("inf"))
+    return EXIT_DONE if sender.robots else EXIT_FAILED
 
 
 @verb("stop", "rostether fleet stop 3 --key-file fleet.key")
 @_robot
 @json_option
 @fleet_options
-def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
+async def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
     """Stop one robot or all, even if another sender commands them; list those that confirm the stop.
 
     The sender that commanded them must start again. The exit code is 1 if no robot confirms the stop, or if
     a robot answers without confirming it.
     """
-    return run(_stop(for_robot(fleet, robot), as_json))
+    settings = for_robot(fleet, robot)
+    with closing(FleetSender(settings, _report)) as sender:
+        robots = await sender.stop()
+    for each in robots:
+        number, address, is_stopped = each.status.robot_id, each.address[0], has_stopped(each)
+        if as_json:
+            write_json({"robot": number, "address": address, "stopped": is_stopped})
+        elif is_stopped:
+            write_line(f"robot {number} at {address} has stopped")
+        else:
+            warn(f"robot {number} at {address} has NOT confirmed the stop")
+    if not robots:
+        warn(silence_text(settings))
+    return EXIT_DONE if robots and all(map(has_stopped, robots)) else EXIT_FAILED
+
+
+@verb(
+    "doctor",
+    """
+    rostether fleet doctor --interface wlan0 --key-file fleet.key
+    sudo "$(which rostether)" fleet doctor --duration 130   also listens for the IGMP querier
+    """,
+)
+@add_option(
+    "--duration listen_s SECONDS",
+    "Listen for an IGMP querier for this time (default: while the robots are asked).",
+    type=NumberRange(min=1.0, max=3600.0),
+    default=1.0,
+)
+@json_option
+@fleet_options
+async def doctor(listen_s: float, as_json: bool, fleet: FleetSettings) -> int:
+    """Find out why robots do not obey: networks, ids, clocks and disks.
+
+    It measures the loss and the signal of each robot, and compares multicast with unicast. It finds robots
+    that do not reach each other, ids that two robots have, clocks that differ, full disks, and (with root)
+    networks without an IGMP querier. It commands no robot. The exit code is 1 if there is a problem.
+    """
+    return await examine_fleet(fleet, listen_s, as_json=as_json)
+
+
+async def examine_fleet(settings: FleetSettings, listen_s: float, *, as_json: bool) -> int:
+    """Print the findings, after listening for an IGMP querier for `listen_s`; return the exit code.
+
+    Raises ConfigError.
+    """
+    from rostether.platform.fleet_examination import examine
+    from rostether.platform.fleet_findings import disk_finding, fleet_findings
+
+    found = await examine(settings, _report, listen_s)
+    findings = fleet_findings(found, silence_text(settings))
+    disk = shutil.disk_usage(".")
+    findings.append(disk_finding("this folder", disk.free, disk.total))
+    for finding in findings:
+        write_finding(finding.what, finding.text, is_ok=finding.is_ok, as_json=as_json)
+    return EXIT_FAILED if any(each.is_ok is False for each in findings) else EXIT_DONE
 
 
 async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> int:
@@ -140,32 +209,6 @@ async def _query(settings: FleetSettings, as_json: bool, *, detailed: bool) -> i
     if not sender.robots:
         warn(silence_text(settings))
     return EXIT_DONE if sender.robots else EXIT_FAILED
-
-
-async def _drive(settings: FleetSettings, payload: bytes, duration_s: float) -> int:
-    from rostether.msgdef.registry import Registry
-
-    kind = type_kind(Registry().message_type(_CONTROL).md5sum)
-    settings = replace(settings, sender=replace(settings.sender, kind=kind))
-    with closing(FleetSender(settings, _report)) as sender:
-        await sender.drive(payload, duration_s)
-    return EXIT_DONE if sender.robots else EXIT_FAILED
-
-
-async def _stop(settings: FleetSettings, as_json: bool) -> int:
-    with closing(FleetSender(settings, _report)) as sender:
-        robots = await sender.stop()
-    for robot in robots:
-        number, address, is_stopped = robot.status.robot_id, robot.address[0], has_stopped(robot)
-        if as_json:
-            write_json({"robot": number, "address": address, "stopped": is_stopped})
-        elif is_stopped:
-            write_line(f"robot {number} at {address} has stopped")
-        else:
-            warn(f"robot {number} at {address} has NOT confirmed the stop")
-    if not robots:
-        warn(silence_text(settings))
-    return EXIT_DONE if robots and all(map(has_stopped, robots)) else EXIT_FAILED
 
 
 def _report(_: Level, text: str) -> None:

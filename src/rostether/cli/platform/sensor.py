@@ -10,7 +10,6 @@ import click
 from rostether.cli.access.either_graph import joined_either
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.output import json_option, write_json, write_line, write_table
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
 from rostether.errors import GraphError
 
@@ -60,9 +59,9 @@ def sensor() -> None:
 @verb("list", "rostether sensor list")
 @json_option
 @graph_options(allow=True)
-def list_sensors(as_json: bool, graph: GraphOptions) -> None:
+async def list_sensors(as_json: bool, graph: GraphOptions) -> None:
     """List the sensors by platform: id, type, state, topic and name, with the reason for the state."""
-    sensors = [_plain(each) for each in run(_joined_sensors(graph))]
+    sensors = [_plain(each) for each in await _joined_sensors(graph)]
     if as_json:
         for each in sensors:
             write_json(each)
@@ -78,9 +77,9 @@ def list_sensors(as_json: bool, graph: GraphOptions) -> None:
 @click.argument("sensor_id", metavar="ID")
 @json_option
 @graph_options(allow=True)
-def show(sensor_id: str, as_json: bool, graph: GraphOptions) -> None:
+async def show(sensor_id: str, as_json: bool, graph: GraphOptions) -> None:
     """Show one sensor, given its id or its name."""
-    found = _plain(_find(run(_joined_sensors(graph)), sensor_id))
+    found = _plain(_find(await _joined_sensors(graph), sensor_id))
     if as_json:
         write_json(found)
         return
@@ -92,17 +91,13 @@ def show(sensor_id: str, as_json: bool, graph: GraphOptions) -> None:
 @click.argument("sensor_id", metavar="ID")
 @click.argument("name")
 @graph_options(allow=True)
-def rename(sensor_id: str, name: str, graph: GraphOptions) -> None:
+async def rename(sensor_id: str, name: str, graph: GraphOptions) -> None:
     """Give a sensor another NAME; its id and its topic stay the same."""
-
-    async def main() -> None:
-        async with joined_either(graph, purpose="sensor") as (node, _):
-            found = _find(await _sensors(node), sensor_id)
-            request: Mapping[str, Any] = {"id": found.id, "name": name}
-            await node.call("sensors_rename", "sensing_platform/RenameSensor", request, timeout_s=_LIMIT_S)
-        write_line(f"{found.id}: {name}")
-
-    run(main())
+    async with joined_either(graph, purpose="sensor") as (node, _):
+        found = _find(await _sensors(node), sensor_id)
+        request: Mapping[str, Any] = {"id": found.id, "name": name}
+        await node.call("sensors_rename", "sensing_platform/RenameSensor", request, timeout_s=_LIMIT_S)
+    write_line(f"{found.id}: {name}")
 
 
 async def _joined_sensors(graph: GraphOptions) -> list[Message]:

@@ -19,7 +19,6 @@ from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotOptions, Plo
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import shows_live
 from rostether.cli.shell.picture_files import picture_format
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.misfit_notice import shown_messages
 
@@ -46,7 +45,7 @@ MAX_TITLE_CHARACTERS = 90
 )
 @option_group("options", PlotOptions)
 @graph_options(allow=True)
-def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> None:
+async def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> None:
     """Plot values of topics over their time of arrival.
 
     A FIELD is written as for `topic echo`; colons separate more fields of the same message. For an array or a
@@ -68,9 +67,9 @@ def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOptions) -> 
     session = PlotSession(replace(options, duration_s=duration_s, title=title), is_live=is_terminal)
     if graph.ros2 is not None:
         refuse_ros1_only(master=graph.master)
-        run(_plot_ros2(graph, targets, session, options.msg_paths))
+        await _plot_ros2(graph, targets, session, options.msg_paths)
     else:
-        run(_plot_ros1(graph, targets, session, options.msg_paths))
+        await _plot_ros1(graph, targets, session, options.msg_paths)
 
 
 async def _plot_ros1(

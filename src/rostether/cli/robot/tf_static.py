@@ -8,10 +8,8 @@ import click
 
 from rostether.cli.access.graph_options import ROS2_CHOICE
 from rostether.cli.role.node import RoleVerb, node_arguments, role_node
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.names.graph_name import validate_name
-from rostether.names.remap import Arguments
 from rostether.robot.static_transforms import (
     StaticTransform,
     parse_static_transform,
@@ -33,10 +31,11 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_
     rostether tf static --ros2 --z 0.1 --yaw 1.57 --frame-id base_link --child-frame-id laser
     """,
     cls=RoleVerb,
+    is_service=True,
 )
 @_arguments
 @ROS2_CHOICE
-def static(words: tuple[str, ...], ros2: str | None) -> None:
+async def static(words: tuple[str, ...], ros2: str | None) -> None:
     """Publish the transform from PARENT to CHILD on /tf_static until Ctrl-C.
 
     The units are meters, and radians or a quaternion. With a number of milliseconds at the end, it publishes
@@ -45,7 +44,7 @@ def static(words: tuple[str, ...], ros2: str | None) -> None:
     The options of ROS 2's node work too: --x, --y, --z, --yaw, --pitch, --roll, --qx, --qy, --qz, --qw,
     --frame-id and --child-frame-id. A number that is omitted is 0; --qw is 1.
     """
-    _run(words, ros2)
+    await _publish(words, ros2)
 
 
 @verb(
@@ -55,24 +54,21 @@ def static(words: tuple[str, ...], ros2: str | None) -> None:
     rostether role tf-static-transform-publisher 0 0 0.1 0 0 0 base_link laser 100
     """,
     cls=RoleVerb,
+    is_service=True,
 )
 @_arguments
-def static_transform_publisher(words: tuple[str, ...]) -> None:
+async def static_transform_publisher(words: tuple[str, ...]) -> None:
     """Publish a static transform, like static_transform_publisher of tf2_ros and tf."""
-    _run(words)
+    await _publish(words)
 
 
-def _run(words: tuple[str, ...], ros2: str | None = None) -> None:
+async def _publish(words: tuple[str, ...], ros2: str | None = None) -> None:
     arguments = node_arguments(words)
     if len(arguments.rest) == 1:
-        transform = None
+        transform: StaticTransform | None = None
         validate_name(arguments.rest[0])
     else:
         transform = parse_static_transform(arguments.rest)
-    run(_publish(arguments, transform, ros2), is_service=True)
-
-
-async def _publish(arguments: Arguments, transform: StaticTransform | None, ros2: str | None) -> None:
     async with role_node(arguments, f"static_transform_publisher_{os.getpid()}", ros2) as graph:
         if transform is None:
             name = arguments.rest[0]

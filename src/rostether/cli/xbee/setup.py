@@ -8,7 +8,6 @@ import click
 
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.transports.address import DEFAULT_BAUD, SerialAddress
 from rostether.transports.address_advice import check_typed_port
@@ -98,7 +97,7 @@ class _RadioAddress(click.ParamType[int]):
 @click.argument("port")
 @click.argument("address", type=_RadioAddress(is_long=False), required=False)
 @json_option
-def xbee_setup(
+async def xbee_setup(
     port: str,
     address: int | None,
     coordinator: bool,
@@ -123,10 +122,6 @@ def xbee_setup(
     check_typed_port(SerialAddress(port), list_serial_ports)
     own_address = 0 if coordinator and address is None else address
     settings = RadioSettings(own_address, coordinator, coordinator_address or 0, pan_id, channel, int(baud))
-    run(_set_up(port, settings, as_json))
-
-
-async def _set_up(port: str, settings: RadioSettings, as_json: bool) -> None:
     found, commands = await set_up_radio(
         lambda baud: open_transport(SerialAddress(port, baud)), settings, warn
     )

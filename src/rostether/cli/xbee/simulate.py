@@ -13,7 +13,6 @@ import click
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import PATH, NumberRange, option, option_group
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import counted
 from rostether.transports.peers import MAX_PEERS
@@ -86,11 +85,12 @@ class SimulationOptions:
     rostether xbee simulate Blink.ino --boards 2 --link ./xbee
     rostether xbee simulate --fresh ./radio
     """,
+    is_service=True,
 )
 @click.argument("sketch", type=PATH, required=False)
 @option_group("options", SimulationOptions)
 @msg_path_option
-def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:
+async def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:
     """Run a simulated XBee network: a radio for the host, and boards with a radio each.
 
     Board 1 publishes board_1/count (std_msgs/UInt32) and subscribes to board_1/led (std_msgs/Bool). With
@@ -101,10 +101,6 @@ def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tu
         raise click.UsageError("give --link, the serial port for `rostether serve`, or --fresh")
     if sketch is not None and options.link_path is None:
         raise click.UsageError("SKETCH is for the boards of a network; give --link, its serial port")
-    run(_simulate(sketch, options, msg_paths), is_service=True)
-
-
-async def _simulate(sketch: Path | None, options: SimulationOptions, msg_paths: tuple[Path, ...]) -> None:
     from rostether.simulation.xbee.air import AirConditions
     from rostether.simulation.xbee.network import XbeeNetwork
     from rostether.simulation.xbee.registers import MODELS

@@ -45,7 +45,7 @@ def test_the_doctor_of_boards_examines_a_fleet(shell: Shell, monkeypatch: pytest
         examined.append(settings.address.interfaces)
         return 0
 
-    monkeypatch.setattr("rostether.cli.platform.fleet_doctor.examine_fleet", examine)
+    monkeypatch.setattr("rostether.cli.platform.fleet.examine_fleet", examine)
     shell.output("doctor", "--fleet", "--interface", "wlan0", "--interface", "eth0")
     assert examined == [("wlan0", "eth0")]
     assert "--interface need --fleet" in shell.failure("doctor", "--interface", "wlan0", code=2)
