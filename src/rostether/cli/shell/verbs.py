@@ -261,6 +261,13 @@ class LazyGroup(_CommandWithExamples, click.Group):
         return verbs + click.Command.shell_complete(self, ctx, incomplete)
 
 
+def verb_group(
+    name: str, package: str, text: str, verbs: Mapping[str, tuple[str, str]], examples: str, **settings: Any
+) -> LazyGroup:
+    """Return a group of verbs; `text` is its help, and `settings` are more arguments of `LazyGroup`."""
+    return LazyGroup(name, verbs=verb_entries(package, verbs), help=text, examples=examples, **settings)
+
+
 def _plain_dashes(argument: str, known: set[str]) -> str:
     if argument[:1] in _LONG_DASHES:
         for dashes in ("--", "-"):
