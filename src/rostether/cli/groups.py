@@ -9,15 +9,15 @@ topic = verb_group(
     "rostether.cli.topic",
     "List, show, publish and measure the topics of a ROS graph.",
     {
-        "list": ("listing:list_topics", "List the topics."),
-        "info": ("listing:info", "Show a topic's type, publishers and subscribers."),
-        "type": ("listing:type_of", "Print the type of a topic or of a field."),
-        "echo": ("echo:echo", "Print the messages of a topic."),
-        "pub": ("pub:pub", "Publish messages."),
+        "list": ("verbs:list_topics", "List the topics."),
+        "info": ("verbs:info", "Show a topic's type, publishers and subscribers."),
+        "type": ("verbs:type_of", "Print the type of a topic or of a field."),
+        "echo": ("verbs:echo", "Print the messages of a topic."),
+        "pub": ("verbs:pub", "Publish messages."),
         "hz": ("rates:hz", "Measure the message rate."),
         "bw": ("rates:bw", "Measure the bandwidth of a topic."),
         "delay": ("rates:delay", "Measure the age of messages on arrival."),
-        "find": ("listing:find", "List the topics of a type."),
+        "find": ("verbs:find", "List the topics of a type."),
     },
     """
     rostether topic list

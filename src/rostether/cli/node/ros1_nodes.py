@@ -11,7 +11,6 @@ from msgspec.structs import asdict
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve
-from rostether.cli.node.nodes import NodeListing
 from rostether.cli.shell.failures import EXIT_FAILED, print_error
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.own_command import called_as
@@ -37,25 +36,27 @@ _RULE = "-" * 80
 
 
 class Ros1Nodes:
-    """The nodes of a ROS 1 graph."""
+    """The nodes of a ROS 1 graph; each method is a whole command."""
 
     def __init__(self, graph: GraphOptions) -> None:
         self._environment = read_environment(graph)
 
-    def list_nodes(self, wanted: NodeListing) -> None:
+    def list_nodes(
+        self, namespace: str, *, uris_only: bool, with_uris: bool, count_nodes: bool, as_json: bool
+    ) -> None:
         """Print the nodes."""
-        with_uris = not wanted.count_nodes and (wanted.uris_only or wanted.with_uris or wanted.as_json)
-        listed = run(_list(self._environment, wanted.namespace, with_uris=with_uris))
-        if wanted.count_nodes:
+        needs_uris = not count_nodes and (uris_only or with_uris or as_json)
+        listed = run(_list(self._environment, namespace, with_uris=needs_uris))
+        if count_nodes:
             write_line(str(len(listed)))
             return
         for name, uri in listed:
-            if wanted.as_json:
+            if as_json:
                 write_json({"node": name, "uri": uri or None})
-            elif wanted.with_uris:
+            elif with_uris:
                 write_line(f"{escape_line(uri) or 'unknown address'} \t{escape_line(name)}")
             else:
-                write_line(escape_line(uri or "unknown address" if wanted.uris_only else name))
+                write_line(escape_line(uri or "unknown address" if uris_only else name))
 
     def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to and serve, and their connections."""

@@ -8,7 +8,6 @@ from typing import Any
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
-from rostether.cli.node.nodes import NodeListing
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
@@ -27,27 +26,29 @@ _ACTION_SERVICE = "/_action/send_goal"
 
 
 class Ros2Nodes:
-    """The nodes of a ROS 2 graph."""
+    """The nodes of a ROS 2 graph; each method is a whole command."""
 
     def __init__(self, graph: GraphOptions) -> None:
         refuse_ros1_only(master=graph.master)
         self._graph = graph
 
-    def list_nodes(self, wanted: NodeListing) -> None:
+    def list_nodes(
+        self, namespace: str, *, uris_only: bool, with_uris: bool, count_nodes: bool, as_json: bool
+    ) -> None:
         """Print the nodes."""
-        refuse_ros1_only(uris_only=wanted.uris_only)
+        refuse_ros1_only(uris_only=uris_only)
         view = asked(self._graph, lambda tool: tool.settled_snapshot())
-        namespace = full_node_name(wanted.namespace.rstrip("/"))
+        within = full_node_name(namespace.rstrip("/"))
         names = [
             name
             for name in sorted(view.nodes)
-            if (wanted.with_uris or not is_hidden(name)) and is_in_namespace(name, namespace)
+            if (with_uris or not is_hidden(name)) and is_in_namespace(name, within)
         ]
-        if wanted.count_nodes:
+        if count_nodes:
             write_line(str(len(names)))
             return
         for name in names:
-            write_result({"node": name}, escape_line(name), as_json=wanted.as_json)
+            write_result({"node": name}, escape_line(name), as_json=as_json)
 
     def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to, serve and call. Raises UnknownNameError."""

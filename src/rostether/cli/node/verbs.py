@@ -9,17 +9,18 @@ import click
 from rostether.cli.access.completions import complete_nodes
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros2
-from rostether.cli.node.nodes import NodeListing, Nodes
 from rostether.cli.shell.failures import EXIT_FAILED
-from rostether.cli.shell.option_group import COUNT, add_flag, add_option, option_group
+from rostether.cli.shell.option_group import COUNT, add_flag, add_option
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
+    from rostether.cli.node.ros1_nodes import Ros1Nodes
+    from rostether.cli.node.ros2_nodes import Ros2Nodes
     from rostether.ros1.environment import RosEnvironment
 
 
-def nodes_of(graph: GraphOptions) -> Nodes:
+def nodes_of(graph: GraphOptions) -> Ros1Nodes | Ros2Nodes:
     """Return the nodes of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.node.ros1_nodes import Ros1Nodes
@@ -31,11 +32,19 @@ def nodes_of(graph: GraphOptions) -> Nodes:
 
 
 @verb("list", "rostether node list\nrostether node list -a\nrostether node list /robot1")
-@option_group("wanted", NodeListing)
+@click.argument("namespace", default="")
+@add_flag("-u uris_only", "List addresses instead of names.")
+@add_flag("-a --all with_uris", "List addresses and names; with --ros2, also hidden nodes.")
+@add_flag("-c --count-nodes", "Print only the number.")
+@json_option
 @graph_options()
-def list_nodes(wanted: NodeListing, graph: GraphOptions) -> None:
+def list_nodes(
+    namespace: str, uris_only: bool, with_uris: bool, count_nodes: bool, as_json: bool, graph: GraphOptions
+) -> None:
     """List all running nodes, or those in a namespace."""
-    nodes_of(graph).list_nodes(wanted)
+    nodes_of(graph).list_nodes(
+        namespace, uris_only=uris_only, with_uris=with_uris, count_nodes=count_nodes, as_json=as_json
+    )
 
 
 @verb("info", "rostether node info /board\nrostether node info -q /board /rosout")

@@ -10,7 +10,7 @@ import click
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve
-from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
+from rostether.cli.param.options import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.input import read_bytes, read_text
 from rostether.cli.shell.output import warn, write_file, write_json, write_line, write_result
 from rostether.cli.shell.running import run
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Ros1Params:
-    """The parameters of a ROS 1 graph."""
+    """The parameters of a ROS 1 graph; each method is a whole command."""
 
     def __init__(self, graph: GraphOptions) -> None:
         self._environment = read_environment(graph)
@@ -93,12 +93,6 @@ class Ros1Params:
             write_line(
                 "deleted ENTIRE parameter server" if full_name == "/" else f"deleted parameter [{full_name}]"
             )
-
-    def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
-        """Raise UsageError: parameters of ROS 1 have no description."""
-        raise click.UsageError(
-            "ROS 1 parameters have no description; use --ros2 for the parameters of a ROS 2 node"
-        )
 
     def dump(self, file: Path | None, namespace: str, /, *, verbose: bool) -> None:
         """Write parameters to a YAML file; without a file, or with -, to stdout."""

@@ -17,7 +17,7 @@ from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.node.ros2_nodes import full_node_name
-from rostether.cli.param.params import GetOptions, ParamListing, SetOptions
+from rostether.cli.param.options import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
@@ -82,7 +82,7 @@ def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str
 
 
 class Ros2Params:
-    """The parameters of a ROS 2 graph."""
+    """The parameters of a ROS 2 graph; each method is a whole command."""
 
     def __init__(self, graph: GraphOptions) -> None:
         refuse_ros1_only(master=graph.master)

@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.access.completions import complete_params
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.param.params import GetOptions, ParamListing, Params, SetOptions, verbose_option
+from rostether.cli.param.options import GetOptions, ParamListing, SetOptions, verbose_option
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
+
+if TYPE_CHECKING:
+    from rostether.cli.param.ros1_params import Ros1Params
+    from rostether.cli.param.ros2_params import Ros2Params
 
 # `param set /x -5` sets minus five.
 _NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
 
 
-def params_of(graph: GraphOptions) -> Params:
+def params_of(graph: GraphOptions) -> Ros1Params | Ros2Params:
     """Return the parameters of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.param.ros1_params import Ros1Params
@@ -88,7 +93,13 @@ def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions)
 @graph_options()
 def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptions) -> None:
     """Show the type, the limits and the description of a ROS 2 node's parameters."""
-    params_of(graph).describe(node, names, as_json=as_json)
+    if graph.ros2 is None:
+        raise click.UsageError(
+            "ROS 1 parameters have no description; use --ros2 for the parameters of a ROS 2 node"
+        )
+    from rostether.cli.param.ros2_params import Ros2Params
+
+    Ros2Params(graph).describe(node, names, as_json=as_json)
 
 
 @verb("dump", "rostether param dump settings.yaml\nrostether param dump - /board")

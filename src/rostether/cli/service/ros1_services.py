@@ -13,7 +13,7 @@ import click
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import joined, master_client, read_environment, resolve
-from rostether.cli.service.services import CallOptions, ServiceListing
+from rostether.cli.service.options import CallOptions, ServiceListing
 from rostether.cli.shell.input import piped_documents
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.own_command import called_as
@@ -33,7 +33,7 @@ WAIT_POLL_S = 0.2
 
 
 class Ros1Services:
-    """The services of a ROS 1 graph."""
+    """The services of a ROS 1 graph; each method is a whole command."""
 
     def __init__(self, graph: GraphOptions) -> None:
         self._graph = graph

@@ -11,7 +11,7 @@ from pathlib import Path
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked, tool_node
-from rostether.cli.service.services import CallOptions, ServiceListing
+from rostether.cli.service.options import CallOptions, ServiceListing
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
@@ -29,7 +29,7 @@ POLL_S = 0.1
 
 
 class Ros2Services:
-    """The services of a ROS 2 graph."""
+    """The services of a ROS 2 graph; each method is a whole command."""
 
     def __init__(self, graph: GraphOptions) -> None:
         refuse_ros1_only(master=graph.master)

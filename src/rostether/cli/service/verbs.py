@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.access.completions import complete_service_types, complete_services
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option, refuse_ros2
-from rostether.cli.service.services import CallOptions, ServiceListing, Services
+from rostether.cli.service.options import CallOptions, ServiceListing
 from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
 
+if TYPE_CHECKING:
+    from rostether.cli.service.ros1_services import Ros1Services
+    from rostether.cli.service.ros2_services import Ros2Services
+
 _service_argument = click.argument("service", shell_complete=complete_services)
 
 
-def services_of(graph: GraphOptions) -> Services:
+def services_of(graph: GraphOptions) -> Ros1Services | Ros2Services:
     """Return the services of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.service.ros1_services import Ros1Services

@@ -1,28 +1,71 @@
-"""Finds the topic and field that a user typed: `/scan/ranges[3]` is a topic, or an element of `/scan`."""
+"""The topics of a ROS 1 graph as its master lists them, and the topic and field that a user typed.
+
+`/scan/ranges[3]` is a topic, or an element of `/scan`.
+"""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
-from rostether.cli.access.ros1_access import resolve
+from rostether.cli.access.ros1_access import master_client, resolve
 from rostether.cli.shell.output import warn
-from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics
-from rostether.errors import ConfigError, DefinitionError, GraphError
+from rostether.errors import ConfigError, DefinitionError, GraphError, UnknownNameError
+from rostether.graph.joint_marks import is_mark
 from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.text import unpublished_warning
+from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.master_client import MasterClient
 from rostether.serde.field_path import FieldPath
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
 
+UNKNOWN_TYPE = "unknown type"
 # The interval at which the master is asked for a topic that does not exist yet, as in rostopic.
 POLL_S = 0.1
+
+
+class TopicView(Struct, frozen=True):
+    """One topic; `type` is "unknown type" until a publisher or subscriber has registered one."""
+
+    name: str
+    type: str
+    publishers: list[str]
+    subscribers: list[str]
+
+    @property
+    def known_type(self) -> str | None:
+        """The type, None while it is unknown."""
+        return None if self.type in (UNKNOWN_TYPE, ANY_TYPE) else self.type
+
+
+async def fetch_topics(environment: RosEnvironment) -> list[TopicView]:
+    """Return all topics that can carry messages, sorted by name. Raises MasterUnreachableError."""
+    async with master_client(environment) as client:
+        publishers, subscribers, _ = await client.system_state()
+        types = await client.topic_types()
+    return [
+        TopicView(name, types.get(name, UNKNOWN_TYPE), publishers.get(name, []), subscribers.get(name, []))
+        for name in sorted(publishers.keys() | subscribers.keys())
+        if not is_mark(name)
+    ]
+
+
+async def node_uris(client: MasterClient, nodes: Iterable[str]) -> dict[str, str | None]:
+    """Return each node's URI, None for a node that has just left."""
+    uris: dict[str, str | None] = {}
+    for node in nodes:
+        try:
+            uris[node] = await client.lookup_node(node)
+        except UnknownNameError:
+            uris[node] = None
+    return uris
 
 
 class ChosenTopic(Struct, frozen=True):

@@ -12,8 +12,13 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.own_command import called_as
 from rostether.cli.shell.running import run
 from rostether.cli.topic.options import TopicListing
-from rostether.cli.topic.ros1_chosen_topic import choose_topic, resolve_with_field
-from rostether.cli.topic.ros1_topic_views import TopicView, fetch_topics, node_uris
+from rostether.cli.topic.ros1_chosen_topic import (
+    TopicView,
+    choose_topic,
+    fetch_topics,
+    node_uris,
+    resolve_with_field,
+)
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import counted, escape_line, unknown_topic
 from rostether.names.graph_name import is_in_namespace
@@ -21,7 +26,7 @@ from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 
 
 class Ros1TopicListing:
-    """The part of `Topics` on a ROS 1 graph that receives and sends no messages."""
+    """The part of `Ros1Topics` that receives and sends no messages."""
 
     def __init__(self, graph: GraphOptions) -> None:
         self._graph = graph

@@ -45,7 +45,7 @@ SUBSCRIBER_TIMEOUT_S = 5.0
 
 
 class Ros1Topics(Ros1TopicListing):
-    """The topics of a ROS 1 graph."""
+    """The topics of a ROS 1 graph; each method is a whole command."""
 
     def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
         """Print messages as rostopic does."""

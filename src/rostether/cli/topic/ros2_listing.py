@@ -21,7 +21,7 @@ from rostether.ros2.types.native_registry import short_name
 
 
 class Ros2TopicListing:
-    """The part of `Topics` on a ROS 2 graph that receives and sends no messages."""
+    """The part of `Ros2Topics` that receives and sends no messages."""
 
     def __init__(self, graph: GraphOptions) -> None:
         refuse_ros1_only(master=graph.master)

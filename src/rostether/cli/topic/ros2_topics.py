@@ -44,7 +44,7 @@ ACKNOWLEDGE_S = 10.0
 
 
 class Ros2Topics(Ros2TopicListing):
-    """The topics of a ROS 2 graph."""
+    """The topics of a ROS 2 graph; each method is a whole command."""
 
     def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
         """Print messages as `ros2 topic echo` does."""
@@ -63,7 +63,10 @@ class Ros2Topics(Ros2TopicListing):
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
     ) -> AbstractAsyncContextManager[TopicMeter]:
-        """Join the graph and wait for the topics; `quiet` omits the progress lines."""
+        """Join the graph and wait for the topics; `quiet` omits the progress lines.
+
+        Without `needs_definitions`, the meter only gets undecoded messages.
+        """
         from rostether.cli.topic.meter import ros2_meter
 
         return ros2_meter(self._graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)

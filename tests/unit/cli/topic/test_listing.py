@@ -3,8 +3,7 @@ from __future__ import annotations
 import pytest
 
 from rostether.cli.shell.own_command import CALLED_AS_VARIABLE
-from rostether.cli.topic.ros1_chosen_topic import choose_topic
-from rostether.cli.topic.ros1_topic_views import TopicView
+from rostether.cli.topic.ros1_chosen_topic import TopicView, choose_topic
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry

@@ -1,10 +1,9 @@
-"""The interface of `rostether service` to a graph."""
+"""The options of `rostether service`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 from rostether.cli.access.completions import complete_services
 from rostether.cli.access.options import msg_path_option
@@ -40,28 +39,3 @@ class CallOptions:
     )
     as_json: bool = shared(json_option, False)
     msg_paths: tuple[Path, ...] = shared(msg_path_option, ())
-
-
-class Services(Protocol):
-    """The services of one graph. Each method is a whole command and raises RostetherError, UsageError."""
-
-    def list_services(self, wanted: ServiceListing) -> None:
-        """Print the services."""
-
-    def type_of(self, service: str) -> None:
-        """Print the type of a service."""
-
-    def node_of(self, service: str) -> None:
-        """Print the node that offers a service."""
-
-    def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
-        """Print the names of a service's arguments."""
-
-    def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
-        """Print a service's type and servers; in ROS 1 also its arguments, in ROS 2 its clients."""
-
-    def find(self, type_name: str) -> None:
-        """Print the services of a type."""
-
-    def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
-        """Call a service and print its response."""
