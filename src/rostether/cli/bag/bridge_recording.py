@@ -1,7 +1,8 @@
-"""`serve --record DIR`: records all topics of the graph into bags, without slowing the bridge."""
+"""What a bridge records: all topics of the graph into bags (`--record`), and the bytes on its lines."""
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from rostether.graph.ports import Graph, JoinGraph
     from rostether.recording.recorded import RecordingWriter
     from rostether.ros2.types.type_support import Ros2Types
+    from rostether.transports.transport import Transport
 
 # A board's node retries at the same interval.
 MAX_JOIN_RETRY_S = 1.0
@@ -153,3 +155,42 @@ def _level_of(text: str) -> Level:
         return Level.WARN
     # Lines for all new topics would hide the lines of the boards.
     return Level.DEBUG if text.startswith("Subscribing to ") else Level.INFO
+
+
+record_limit_option = add_option(
+    "--record-limit record_limit_mb MB",
+    "Stop recording, but keep serving, when the file reaches this size (default: 100).",
+    type=NumberRange(min=0.01),
+    default=100,
+)
+
+
+@asynccontextmanager
+async def recorded(
+    path: Path | None, limit_mb: float, reporter: Reporter
+) -> AsyncIterator[Callable[[Transport], Transport] | None]:
+    """Yield a function that records a transport into a new file, None without a path. Raises ConfigError."""
+    if path is None:
+        yield None
+        return
+    from datetime import UTC, datetime
+    from importlib.metadata import version
+
+    from rostether.transports.capture_writer import CaptureWriter
+
+    writer = CaptureWriter(
+        path,
+        clock=asyncio.get_running_loop().time,
+        description={
+            "started": datetime.now(UTC).isoformat(timespec="seconds").replace("+00:00", "Z"),
+            "host": f"rostether {version('rostether')}",
+        },
+        limit_bytes=int(limit_mb * MEGABYTE),
+        report=lambda text: reporter.report(Level.WARN, text),
+    )
+    reporter.report(Level.INFO, f"Recording the lines to {path}")
+    try:
+        yield writer.tap
+    finally:
+        writer.close()
+        reporter.report(Level.INFO, f"{path} holds {size_text(writer.written_bytes)}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -147,11 +147,9 @@ def _print(facts: Mapping[str, Any], reader: RecordingReader) -> None:
         ]
     rows += [("size", size_text(reader.size_bytes)), ("messages", str(facts["messages"]))]
     rows += _compression_rows(reader, facts.get("duration_s", 0.0))
-    if facts["types"]:
-        width = max(len(each["type"]) for each in facts["types"])
-        rows += _block("types", [f"{each['type']:<{width}} [{each['md5']}]" for each in facts["types"]])
-    if facts["topics"]:
-        rows += _block("topics", _topic_lines(facts))
+    width = max((len(each["type"]) for each in facts["types"]), default=0)
+    rows += _block("types", [f"{each['type']:<{width}} [{each['md5']}]" for each in facts["types"]])
+    rows += _block("topics", _topic_lines(facts["topics"]))
     width = max(len(label) for label, _ in rows) + 1
     for label, text in rows:
         write_line(f"{label + ':' if label else '':<{width}} {escape_line(text)}", paint_keys)
@@ -161,10 +159,9 @@ def _block(label: str, lines: list[str]) -> list[tuple[str, str]]:
     return [(label if not index else "", line) for index, line in enumerate(lines)]
 
 
-def _topic_lines(facts: Mapping[str, Any]) -> list[str]:
-    topics = facts["topics"]
-    name_width = max(len(row["topic"]) for row in topics)
-    count_width = max(len(str(row["messages"])) for row in topics)
+def _topic_lines(topics: Sequence[Mapping[str, Any]]) -> list[str]:
+    name_width = max((len(row["topic"]) for row in topics), default=0)
+    count_width = max((len(str(row["messages"])) for row in topics), default=0)
     rates = {row["topic"]: _rate_text(row["frequency_hz"]) for row in topics if "frequency_hz" in row}
     rate_width = max(map(len, rates.values()), default=0)
     lines = []
@@ -184,24 +181,17 @@ def _compression_rows(reader: RecordingReader, duration_s: float) -> list[tuple[
     total = sum(share.chunk_count for share in shares)
     plain = sum(share.size_bytes for share in shares)
     stored = sum(share.compressed_bytes for share in shares)
-    if not shares:
-        return [("compression", "none [0/0 chunks]")]
     parts = []
     for share in shares:
-        ratio = (
-            f"; {share.compressed_bytes / share.size_bytes:.2%}"
-            if share.name != "none" and share.size_bytes
-            else ""
-        )
+        is_compressed = share.name != "none" and share.size_bytes
+        ratio = f"; {share.compressed_bytes / share.size_bytes:.2%}" if is_compressed else ""
         parts.append(f"{share.name} [{share.chunk_count}/{total} chunks{ratio}]")
-    rows = [("compression", ", ".join(parts))]
+    rows = [("compression", ", ".join(parts) or "none [0/0 chunks]")]
     if any(share.name != "none" for share in shares) and duration_s and plain:
+        speed = f"{size_text(stored)} @ {size_text(stored / duration_s)}/s"
         rows += [
             ("uncompressed", f"{size_text(plain)} @ {size_text(plain / duration_s)}/s"),
-            (
-                "compressed",
-                f"{size_text(stored)} @ {size_text(stored / duration_s)}/s ({stored / plain:.2%})",
-            ),
+            ("compressed", f"{speed} ({stored / plain:.2%})"),
         ]
     return rows
 

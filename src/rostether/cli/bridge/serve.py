@@ -21,8 +21,13 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import ADDRESS_HINTS, listen_option, msg_path_option
 from rostether.cli.access.ros1_access import read_environment, type_store
 from rostether.cli.access.served_graphs import check_master, served_graphs
-from rostether.cli.bag.bridge_recording import BagRecording, bag_recording_options, bags_recorded
-from rostether.cli.bag.line_capture import record_limit_option, recorded
+from rostether.cli.bag.bridge_recording import (
+    BagRecording,
+    bag_recording_options,
+    bags_recorded,
+    record_limit_option,
+    recorded,
+)
 from rostether.cli.bridge.announcing import announced, check_mdns
 from rostether.cli.bridge.options import (
     BRIDGE_LIMITS,

@@ -9,7 +9,7 @@ import click
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import ADDRESS_HINTS, listen_option, msg_path_option
-from rostether.cli.bag.line_capture import record_limit_option
+from rostether.cli.bag.bridge_recording import record_limit_option
 from rostether.cli.bridge.serve import serve
 from rostether.cli.shell.option_group import FILE
 from rostether.cli.shell.verbs import verb
