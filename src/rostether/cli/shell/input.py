@@ -151,19 +151,16 @@ async def _lines(stream: TextIO) -> AsyncIterator[str]:
         while line := stream.readline(MAX_DOCUMENT_BYTES + 1):
             yield line
         return
-    reader = asyncio.StreamReader(limit=MAX_DOCUMENT_BYTES)
-    transport, _ = await asyncio.get_running_loop().connect_read_pipe(
-        lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(os.dup(descriptor), "rb")
-    )
-    try:
-        while line_bytes := await reader.readline():
-            yield line_bytes.decode("utf-8", "surrogateescape")
-    except ValueError:
-        raise _too_long() from None
-    finally:
-        transport.close()
-        # The next command of a shell's `(a; b) < pipe` has the same open pipe.
-        os.set_blocking(descriptor, True)
+    rest = bytearray()
+    while chunk := await _read(descriptor):
+        *line_ends, begin = chunk.split(b"\n")
+        for line_end in line_ends:
+            yield (rest + line_end + b"\n").decode("utf-8", "surrogateescape")
+            rest.clear()
+        rest += begin
+        if len(rest) > MAX_DOCUMENT_BYTES:
+            raise _too_long()
+    yield rest.decode("utf-8", "surrogateescape")
 
 
 def _pipe_descriptor(stream: TextIO) -> int | None:
