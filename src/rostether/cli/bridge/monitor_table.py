@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Literal, TypeAlias
 
 from msgspec import Struct
@@ -40,19 +40,24 @@ class Line(Struct, frozen=True):
 class _Column(Struct, frozen=True):
     title: str
     width: int
+    text: Callable[[BoardStatus], str]
+    is_count_of_faults: bool = False
 
 
 _COLUMNS = (
-    _Column("UP", 7),
-    _Column("IN/s", 5),
-    _Column("OUT/s", 5),
-    _Column("DROPS", 5),
-    _Column("BAD", 5),
-    _Column("RECON", 5),
-    _Column("RTT ms", 6),
-    _Column("CLOCK", 7),
+    _Column("UP", 7, lambda board: duration(board.connected_s)),
+    _Column("IN/s", 5, lambda board: amount(board.received_bytes_s)),
+    _Column("OUT/s", 5, lambda board: amount(board.sent_bytes_s)),
+    _Column("DROPS", 5, lambda board: amount(board.dropped_count), True),
+    _Column("BAD", 5, lambda board: amount(board.checksum_errors), True),
+    _Column("RECON", 5, lambda board: amount(board.reconnects)),
+    _Column("RTT ms", 6, lambda board: _milliseconds(board.round_trip_ms)),
+    _Column("CLOCK", 7, lambda board: _offset(board.clock_offset_ms)),
 )
-_TOTALS = (_Column("IN", 5), _Column("OUT", 5))
+_TOTALS = (
+    _Column("IN", 5, lambda board: amount(board.received_bytes)),
+    _Column("OUT", 5, lambda board: amount(board.sent_bytes)),
+)
 # As wide as `negotiating`.
 _STATE_WIDTH = 11
 
@@ -165,18 +170,6 @@ def _brief(board: BoardStatus, layout: _Layout) -> list[Line]:
 
 
 def _row(board: BoardStatus, layout: _Layout) -> Line:
-    texts = {
-        "UP": duration(board.connected_s),
-        "IN/s": amount(board.received_bytes_s),
-        "OUT/s": amount(board.sent_bytes_s),
-        "IN": amount(board.received_bytes),
-        "OUT": amount(board.sent_bytes),
-        "DROPS": amount(board.dropped_count),
-        "BAD": amount(board.checksum_errors),
-        "RECON": amount(board.reconnects),
-        "RTT ms": _milliseconds(board.round_trip_ms),
-        "CLOCK": _offset(board.clock_offset_ms),
-    }
     # "disconnected" is wider than its column.
     state = "away" if board.state == "disconnected" else board.state
     pieces: list[tuple[str, Style]] = [
@@ -184,8 +177,8 @@ def _row(board: BoardStatus, layout: _Layout) -> Line:
         (f"{_cut(state, _STATE_WIDTH):{_STATE_WIDTH}}", _STATE_STYLES.get(board.state, "yellow")),
     ]
     for column in layout.columns:
-        text = texts[column.title]
-        is_bad = column.title in ("DROPS", "BAD") and text != "0"
+        text = column.text(board)
+        is_bad = column.is_count_of_faults and text != "0"
         pieces.append((f" {text:>{column.width}}", "yellow" if is_bad else ""))
     return _fit(pieces, layout.width)
 
