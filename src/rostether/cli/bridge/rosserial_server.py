@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rostether.cli.bridge.serial_node import HostRole, name_options, read_whole_number, run_host
+from rostether.cli.bridge.serial_node import HostRole, read_whole_number, run_host
 from rostether.cli.role.node import RoleVerb, node_arguments, node_words, role
 from rostether.cli.shell.verbs import verb
 from rostether.graph.typed_graph import TypedGraph
@@ -31,8 +31,7 @@ _DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
 @node_words
 def serial(arguments: tuple[str, ...]) -> None:
     """Bridge the board at ~port with ~baud."""
-    known = ("port", "baud")
-    host = HostRole("rosserial_server_serial_node", "rosserial server", known, _serial_link)
+    host = HostRole("rosserial_server_serial_node", "rosserial server", ("port", "baud"), _serial_link)
     run_host(host, node_arguments(arguments))
 
 
@@ -40,8 +39,7 @@ def serial(arguments: tuple[str, ...]) -> None:
 @node_words
 def socket(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that connect to the TCP port ~port."""
-    known = ("port", "listen")
-    host = HostRole("rosserial_server_socket_node", "rosserial server", known, _socket_link)
+    host = HostRole("rosserial_server_socket_node", "rosserial server", ("port", "listen"), _socket_link)
     run_host(host, node_arguments(arguments))
 
 
@@ -63,17 +61,17 @@ async def message_info(graph: TypedGraph, _: Arguments) -> None:
     await serve_message_info(graph, Registry.from_environment())
 
 
-def _serial_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+def _serial_link(rest: list[str], parameters: Mapping[str, object], options: str) -> str:
     baud = parameters.get("baud")
     speed = "" if baud is None else f"&baud={read_whole_number(baud, 'baud')}"
-    return f"{parameters.get('port', _DEFAULT_SERIAL_PORT)}?{name_options(node_name, namespace)}{speed}"
+    return f"{parameters.get('port', _DEFAULT_SERIAL_PORT)}?{options}{speed}"
 
 
-def _socket_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+def _socket_link(rest: list[str], parameters: Mapping[str, object], options: str) -> str:
     port = read_whole_number(parameters.get("port", DEFAULT_PORT), "port")
-    return f"tcp://{parameters.get('listen', '')}:{port}?{name_options(node_name, namespace)}"
+    return f"tcp://{parameters.get('listen', '')}:{port}?{options}"
 
 
-def _udp_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+def _udp_link(rest: list[str], parameters: Mapping[str, object], options: str) -> str:
     port = read_whole_number(parameters.get("server_port", DEFAULT_PORT), "server_port")
-    return f"udp://{parameters.get('listen', '')}:{port}?{name_options(node_name, namespace)}"
+    return f"udp://{parameters.get('listen', '')}:{port}?{options}"

@@ -9,11 +9,10 @@ node joins the graph before the board connects, and the process ends with its no
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 import click
 from msgspec import Struct
@@ -47,22 +46,17 @@ DEFAULT_NODE_NAME = "serial_node"
 PRIVATE_PARAMETERS = ("port", "baud", "tcp_port", "fork_server", "fix_pyserial_for_test")
 
 
-class ChooseLink(Protocol):
-    """Creates a link address from a node's arguments and private parameters. Raises ConfigError."""
-
-    def __call__(
-        self, rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str
-    ) -> str:
-        """Return the address."""
-
-
 class HostRole(Struct, frozen=True):
-    """A rosserial host to replace: its node's name, its first line, its parameters, its choice of a link."""
+    """A rosserial host to replace: its node's name, its first line, its parameters, its choice of a link.
+
+    `choose_link` returns a link address from the node's arguments, its private parameters, and the options
+    that name the board's node.
+    """
 
     node_name: str
     greeting: str
     parameters: tuple[str, ...]
-    choose_link: ChooseLink
+    choose_link: Callable[[list[str], Mapping[str, object], str], str]
 
 
 @verb(
@@ -150,7 +144,7 @@ async def _serve(
     async with used_master(environment, is_chosen="__master" in arguments.special) as used:
         parameters = await _server_parameters(used.environment, node_name, host.parameters)
         parameters |= arguments.private_params
-        link = host.choose_link(arguments.rest, parameters, node_name=node_name, namespace=namespace)
+        link = host.choose_link(arguments.rest, parameters, name_options(node_name, namespace))
         links = read_links(link, hosts, allowed)
         if isinstance(links[0], SimAddress):
             raise ConfigError(
@@ -189,7 +183,7 @@ async def _server_parameters(
     return found
 
 
-def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+def choose_link(rest: list[str], parameters: Mapping[str, object], options: str) -> str:
     """Return the link address of serial_node.py's arguments; plain ones override private parameters.
 
     Raises ConfigError.
@@ -202,7 +196,6 @@ def choose_link(rest: list[str], parameters: Mapping[str, object], *, node_name:
         # As in ROS, a value is read as YAML: `tcp:` is a mapping.
         raise ConfigError("port must be a serial port or tcp; write _port:=tcp or a path")
     target = known[0] if known else str(wanted)
-    options = name_options(node_name, namespace)
     if target == "tcp":
         port = read_whole_number(
             known[1] if len(known) == 2 else parameters.get("tcp_port", DEFAULT_PORT), "tcp_port"

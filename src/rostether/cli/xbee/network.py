@@ -29,12 +29,11 @@ def xbee_network(arguments: tuple[str, ...]) -> None:
     run_host(HostRole("xbee_network", "RosSerial Xbee Network", (), network_link), node_arguments(arguments))
 
 
-def network_link(rest: list[str], parameters: Mapping[str, object], *, node_name: str, namespace: str) -> str:
+def network_link(rest: list[str], parameters: Mapping[str, object], options: str) -> str:
     """Return the link address from the arguments. Raises ConfigError."""
     if len(rest) < 2:
         raise ConfigError(
             "give the port of the XBee radio and the address of each board, for example /dev/ttyUSB0 1 2"
         )
     port, *ids = rest
-    name = node_name.removeprefix(namespace.rstrip("/") + "/")
-    return f"xbee:{port}?peers={','.join(ids)}&name={name}" + (f"&ns={namespace}" if namespace != "/" else "")
+    return f"xbee:{port}?peers={','.join(ids)}&{options}"

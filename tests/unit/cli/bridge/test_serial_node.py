@@ -18,8 +18,8 @@ from rostether.ros1.master.server import MasterServer
 pytestmark = pytest.mark.slow
 
 
-def _link(*rest: str, namespace: str = "/", node_name: str = "/serial_node", **parameters: object) -> str:
-    return choose_link(list(rest), parameters, node_name=node_name, namespace=namespace)
+def _link(*rest: str, options: str = "name=serial_node", **parameters: object) -> str:
+    return choose_link(list(rest), parameters, options)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def _link(*rest: str, namespace: str = "/", node_name: str = "/serial_node", **p
         (_link("tcp", "11412"), "tcp://:11412?name=serial_node"),
         (_link("tcp", tcp_port=11413), "tcp://:11413?name=serial_node"),
         (_link(port="tcp"), "tcp://:11411?name=serial_node"),
-        (_link("tcp", namespace="/lab", node_name="/lab/arm"), "tcp://:11411?name=arm&ns=/lab"),
+        (_link("tcp", options="name=arm&ns=/lab"), "tcp://:11411?name=arm&ns=/lab"),
     ],
 )
 def test_link(link: str, expected: str) -> None:

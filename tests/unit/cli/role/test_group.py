@@ -15,6 +15,7 @@ from interop.ros1_peers import free_port
 from programs import started
 from rostether import Device
 from rostether.cli.bridge.rosserial_server import _serial_link, _socket_link, _udp_link
+from rostether.cli.bridge.serial_node import name_options
 from rostether.graph.typed_graph import TypedGraph
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
@@ -147,16 +148,15 @@ async def test_boards_at_the_launch_file_of_rosserial_server(
 
 
 def test_the_links_of_rosserial_server() -> None:
-    names = {"node_name": "/lab/board", "namespace": "/lab"}
-    assert _serial_link([], {}, **names) == "/dev/ttyACM0?name=board&ns=/lab"
-    assert (
-        _serial_link([], {"port": "/dev/x", "baud": 9600}, **names) == "/dev/x?name=board&ns=/lab&baud=9600"
-    )
-    assert _socket_link([], {}, node_name="/b", namespace="/") == "tcp://:11411?name=b"
-    assert _udp_link([], {"server_port": 5}, node_name="/b", namespace="/") == "udp://:5?name=b"
+    name = name_options("/lab/board", "/lab")
+    assert _serial_link([], {}, name) == "/dev/ttyACM0?name=board&ns=/lab"
+    assert _serial_link([], {"port": "/dev/x", "baud": 9600}, name) == "/dev/x?name=board&ns=/lab&baud=9600"
+    name = name_options("/b", "/")
+    assert _socket_link([], {}, name) == "tcp://:11411?name=b"
+    assert _udp_link([], {"server_port": 5}, name) == "udp://:5?name=b"
     wide = {"listen": "0.0.0.0"}
-    assert _socket_link([], wide, node_name="/b", namespace="/") == "tcp://0.0.0.0:11411?name=b"
-    assert _udp_link([], wide, node_name="/b", namespace="/") == "udp://0.0.0.0:11411?name=b"
+    assert _socket_link([], wide, name) == "tcp://0.0.0.0:11411?name=b"
+    assert _udp_link([], wide, name) == "udp://0.0.0.0:11411?name=b"
 
 
 @pytest.mark.parametrize(

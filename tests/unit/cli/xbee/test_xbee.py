@@ -10,11 +10,10 @@ from unit.cli.command_shell import Shell
 
 
 def test_the_link_of_a_network() -> None:
-    names = {"node_name": "/lab/xbee_network", "namespace": "/lab"}
-    link = network_link(["/dev/ttyUSB0", "1", "2"], {}, **names)
+    link = network_link(["/dev/ttyUSB0", "1", "2"], {}, "name=xbee_network&ns=/lab")
     assert link == "xbee:/dev/ttyUSB0?peers=1,2&name=xbee_network&ns=/lab"
     with pytest.raises(ConfigError, match="the address of each board, for example /dev/ttyUSB0 1 2"):
-        network_link(["/dev/ttyUSB0"], {}, **names)
+        network_link(["/dev/ttyUSB0"], {}, "name=xbee_network")
 
 
 @pytest.mark.parametrize(
