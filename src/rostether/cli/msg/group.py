@@ -16,7 +16,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.msg.recorded_types import bag_option, recorded_registry
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, write_json, write_line
-from rostether.cli.shell.verbs import LazyGroup, VerbEntry, verb, verb_entries
+from rostether.cli.shell.verbs import verb, verb_group
 from rostether.errors import UnknownTypeError
 from rostether.mechanisms.text import did_you_mean
 
@@ -68,8 +68,9 @@ _MESSAGES = _Kind("msg", "message", ".msg", "sensor_msgs/Range", "rostether topi
 _SERVICES = _Kind("srv", "service", ".srv", "std_srvs/SetBool", "rostether service type /set_led")
 
 
-def _verbs(kind: _Kind) -> dict[str, VerbEntry]:
+def _group(kind: _Kind) -> click.Command:
     group, what = kind.group, kind.what
+    text = f"Show {what} definitions: built-in ones, and those of your packages."
     verbs = {
         "show": (f"group:{group}_show", f"Show the fields of a {what} type."),
         "info": (f"group:{group}_show", "The same as show."),
@@ -78,17 +79,7 @@ def _verbs(kind: _Kind) -> dict[str, VerbEntry]:
         "package": (f"group:{group}_package", f"List the {what} types of one package."),
         "packages": (f"group:{group}_packages", f"List the packages that have {what} types."),
     }
-    return verb_entries("rostether.cli.msg", verbs)
-
-
-@click.group(cls=LazyGroup, verbs=_verbs(_MESSAGES), examples="rostether msg show sensor_msgs/Range")
-def msg() -> None:
-    """Show message definitions: built-in ones, and those of your packages."""
-
-
-@click.group(cls=LazyGroup, verbs=_verbs(_SERVICES), examples="rostether srv show std_srvs/SetBool")
-def srv() -> None:
-    """Show service definitions: built-in ones, and those of your packages."""
+    return verb_group(group, "rostether.cli.msg", text, verbs, f"rostether {group} show {kind.example}")
 
 
 def _registry(msg_paths: tuple[Path, ...], graph: GraphOptions) -> Registry:
@@ -292,6 +283,7 @@ def _packages_verb(kind: _Kind) -> click.Command:
     return packages
 
 
+msg, srv = _group(_MESSAGES), _group(_SERVICES)
 msg_show, srv_show = _show_verb(_MESSAGES), _show_verb(_SERVICES)
 msg_md5, srv_md5 = _md5_verb(_MESSAGES), _md5_verb(_SERVICES)
 msg_list, srv_list = _list_verb(_MESSAGES), _list_verb(_SERVICES)

@@ -13,29 +13,25 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.msg.group import check_package
 from rostether.cli.shell.option_group import add_flag, option_group
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
+from rostether.cli.shell.verbs import verb, verb_group
 
 if TYPE_CHECKING:
     from rostether.ros2.types.native_registry import NativeRegistry
 
 
-@click.group(
-    cls=LazyGroup,
-    verbs=verb_entries(
-        "rostether.cli.msg",
-        {
-            "show": ("interface:show", "Show the fields of a type."),
-            "list": ("interface:list_all", "List all types."),
-            "package": ("interface:package", "List the types of one package."),
-            "packages": ("interface:packages", "List the packages that have types."),
-            "proto": ("interface:proto", "Print a message to fill in, for topic pub."),
-        },
-    ),
-    examples="rostether interface show sensor_msgs/msg/Imu",
+interface = verb_group(
+    "interface",
+    "rostether.cli.msg",
+    "Show message, service and action definitions of ROS 2, like ros2 interface.",
+    {
+        "show": ("interface:show", "Show the fields of a type."),
+        "list": ("interface:list_all", "List all types."),
+        "package": ("interface:package", "List the types of one package."),
+        "packages": ("interface:packages", "List the packages that have types."),
+        "proto": ("interface:proto", "Print a message to fill in, for topic pub."),
+    },
+    "rostether interface show sensor_msgs/msg/Imu",
 )
-def interface() -> None:
-    """Show message, service and action definitions of ROS 2, like ros2 interface."""
-
 
 # The middle part of a type's name -> the title of a list.
 _TITLES = {"msg": "Messages", "srv": "Services", "action": "Actions"}
