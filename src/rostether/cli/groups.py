@@ -6,7 +6,6 @@ from rostether.cli.shell.verbs import verb_group
 
 topic = verb_group(
     "topic",
-    "rostether.cli.topic",
     "List, show, publish and measure the topics of a ROS graph.",
     {
         "list": ("verbs:list_topics", "List the topics."),
@@ -29,7 +28,6 @@ topic = verb_group(
 
 node = verb_group(
     "node",
-    "rostether.cli.node",
     "List, show, ping and stop the nodes of a ROS graph.",
     {
         "list": ("verbs:list_nodes", "List the running nodes."),
@@ -48,7 +46,6 @@ node = verb_group(
 
 service = verb_group(
     "service",
-    "rostether.cli.service",
     "List, show and call the services of a ROS graph.",
     {
         "list": ("verbs:list_services", "List the services."),
@@ -69,7 +66,6 @@ service = verb_group(
 
 param = verb_group(
     "param",
-    "rostether.cli.param",
     "Read and write the parameters of a ROS graph.",
     {
         "list": ("verbs:list_params", "List the names of parameters."),
@@ -90,7 +86,6 @@ param = verb_group(
 
 bag = verb_group(
     "bag",
-    "rostether.cli.bag",
     """Record and replay topics, in ROS 1 .bag files, MCAP files and ROS 2 bags.
 
     Files end with .bag, .mcap or .db3; a ROS 2 bag is a folder. For LZ4 and Zstandard, run
@@ -117,7 +112,6 @@ bag = verb_group(
 
 tf = verb_group(
     "tf",
-    "rostether.cli.robot",
     "Show and publish the transforms between the frames of a robot.",
     {
         "echo": ("tf:echo", "Print the transform between two frames."),
@@ -130,12 +124,12 @@ tf = verb_group(
     rostether tf echo base_link gripper
     rostether tf static 0 0 0.1 0 0 0 base_link laser
     """,
+    package="rostether.cli.robot",
     suggest=lambda word: ("tf tree",) if word == "view_frames" else (),
 )
 
 firmware = verb_group(
     "firmware",
-    "rostether.cli.firmware",
     "Build sketches for boards, and generate the client library that they use.",
     {
         "build": ("build:firmware_build", "Build a sketch."),
@@ -153,7 +147,6 @@ firmware = verb_group(
 
 board = verb_group(
     "board",
-    "rostether.cli.board",
     "Run sketches and firmware on simulated boards.",
     {
         "run": ("run:board_run", "Run a sketch or an ELF file on a simulated board."),
@@ -167,7 +160,6 @@ board = verb_group(
 
 link = verb_group(
     "link",
-    "rostether.cli.link",
     """Record, show and replay the bytes on a board's line.
 
     A capture contains the bytes of the board and of the host, with times. Use it to show a problem without
@@ -190,7 +182,6 @@ link = verb_group(
 
 xbee = verb_group(
     "xbee",
-    "rostether.cli.xbee",
     "Set up XBee radios, and simulate a network of them.",
     {
         "setup": ("setup:xbee_setup", "Set up a radio for a network of boards."),

@@ -79,7 +79,8 @@ def _group(kind: _Kind) -> click.Command:
         "package": (f"group:{group}_package", f"List the {what} types of one package."),
         "packages": (f"group:{group}_packages", f"List the packages that have {what} types."),
     }
-    return verb_group(group, "rostether.cli.msg", text, verbs, f"rostether {group} show {kind.example}")
+    example = f"rostether {group} show {kind.example}"
+    return verb_group(group, text, verbs, example, package="rostether.cli.msg")
 
 
 def _registry(msg_paths: tuple[Path, ...], graph: GraphOptions) -> Registry:

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 interface = verb_group(
     "interface",
-    "rostether.cli.msg",
     "Show message, service and action definitions of ROS 2, like ros2 interface.",
     {
         "show": ("interface:show", "Show the fields of a type."),
@@ -31,6 +30,7 @@ interface = verb_group(
         "proto": ("interface:proto", "Print a message to fill in, for topic pub."),
     },
     "rostether interface show sensor_msgs/msg/Imu",
+    package="rostether.cli.msg",
 )
 
 # The middle part of a type's name -> the title of a list.

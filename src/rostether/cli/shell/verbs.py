@@ -166,11 +166,7 @@ def verb(
 ) -> Callable[[Callable[..., Any]], Verb]:
     """Return a decorator that makes a function a verb; its docstring is the help.
 
-    Args:
-        name: The name of the verb.
-        examples: Command lines for the end of the help.
-        cls: The kind of verb.
-        settings: More arguments of `click.command`.
+    `examples` are command lines for the end of the help; `settings` are more arguments of `click.command`.
     """
     return click.command(name, cls=cls, examples=examples, **settings)
 
@@ -262,10 +258,20 @@ class LazyGroup(_CommandWithExamples, click.Group):
 
 
 def verb_group(
-    name: str, package: str, text: str, verbs: Mapping[str, tuple[str, str]], examples: str, **settings: Any
+    name: str,
+    text: str,
+    verbs: Mapping[str, tuple[str, str]],
+    examples: str,
+    *,
+    package: str = "",
+    **settings: Any,
 ) -> LazyGroup:
-    """Return a group of verbs; `text` is its help, and `settings` are more arguments of `LazyGroup`."""
-    return LazyGroup(name, verbs=verb_entries(package, verbs), help=text, examples=examples, **settings)
+    """Return a group of verbs; `text` is its help, and `settings` are more arguments of `LazyGroup`.
+
+    The locations of the verbs are relative to `package`, by default rostether.cli.NAME.
+    """
+    entries = verb_entries(package or f"rostether.cli.{name}", verbs)
+    return LazyGroup(name, verbs=entries, help=text, examples=examples, **settings)
 
 
 def _plain_dashes(argument: str, known: set[str]) -> str:
