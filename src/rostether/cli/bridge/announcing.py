@@ -49,13 +49,8 @@ async def announced(
 ) -> AsyncIterator[None]:
     """Announce the listeners that are reachable from the network, until the end of the block.
 
-    A failure is reported in one line, and serving continues.
-
-    Args:
-        listening_on: The addresses of all listeners.
-        reporter: Gets the lines.
-        is_on: The result of `check_mdns`.
-        is_wanted: Whether --mdns was given; then it is reported that there is nothing to announce.
+    A failure is reported in one line, and serving continues. `is_on` is the result of `check_mdns`. If
+    --mdns was given (`is_wanted`), it is reported that there is nothing to announce.
     """
     listeners = network_listeners(listening_on)
     if is_wanted and not listeners:

@@ -71,12 +71,9 @@ class _Layout(Struct, frozen=True):
 
 
 def table(boards: Sequence[BoardStatus], width: int, height: int | None = None) -> list[Line]:
-    """Return the lines of the table; topics are omitted first, then problems, then boards.
+    """Return the lines of the table, at most `height` of `width` characters.
 
-    Args:
-        boards: The boards, in any order.
-        width: The width of the terminal in characters.
-        height: The maximum number of lines, None without a limit.
+    Topics are omitted first, then problems, then boards.
     """
     width = max(width, _MIN_WIDTH)
     boards = sorted(boards, key=lambda board: _natural(board.name))

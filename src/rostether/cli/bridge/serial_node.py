@@ -108,12 +108,7 @@ def run_host(
 ) -> None:
     """Serve the boards on a host's link until canceled. Raises ConfigError, GraphError, TransportOpenError.
 
-    Args:
-        host: The host to replace.
-        parsed: Its command line.
-        listen: The value of `--listen`, None without it.
-        allowed: The networks of `--allow`.
-        config: The settings file, None for the user's.
+    `listen` and `allowed` are the values of --listen and --allow; without `config`, the user's file is read.
     """
     reporter = ConsoleReporter(show_node=False)
     for name in parsed.private_params.keys() - set(host.parameters):

@@ -89,13 +89,9 @@ def add_flag(spellings: str, text: str, **settings: Any) -> Decorator:
 
 
 def option(spellings: str, text: str, *, default: Any = None, **settings: Any) -> Any:
-    """Return a field of a settings class that is an option; its name is the field's.
+    """Return a field of a settings class that is an option; its name is the field's, see `add_option`.
 
-    Args:
-        spellings: `"-n --count COUNT"`, see `add_option`.
-        text: The line in the help.
-        default: The value without the option; an option with `multiple` has an empty tuple.
-        settings: More arguments of `click.option`.
+    `default` is the value without the option; an option with `multiple` has an empty tuple.
     """
     if settings.get("multiple"):
         default = ()
@@ -196,11 +192,9 @@ def ignored_options(*names: str, flags: Sequence[str] = ()) -> Callable[[Functio
 
 
 class OptionalValueOption(HeadedOption):
-    """An option whose value may be omitted.
+    """An option whose value may be omitted; the option then has the value `alone`.
 
-    Args:
-        alone: The value of the option when none is given.
-        is_value: Returns whether the next word of the command line is the option's value.
+    `is_value` returns whether the next word of the command line is the option's value.
     """
 
     def __init__(self, *args: Any, alone: str, is_value: Callable[[str], bool], **kwargs: Any) -> None:
