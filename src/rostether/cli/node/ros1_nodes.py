@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import click
@@ -100,6 +100,7 @@ async def _list(
 
 async def _info(environment: RosEnvironment, names: tuple[str, ...], *, quiet: bool, as_json: bool) -> None:
     is_missing = False
+    show: Callable[[str], None] = (lambda _: None) if as_json else write_line
     async with master_client(environment) as client:
         for each in names:
             name = resolve(each, environment)
@@ -110,21 +111,16 @@ async def _info(environment: RosEnvironment, names: tuple[str, ...], *, quiet: b
                 is_missing = True
                 continue
             registered = await registrations(client, name)
-            if not as_json:
-                write_line(_format_registrations(name, registered))
-            if quiet:
-                if as_json:
-                    write_json(_to_record(name, uri, registered))
-                continue
-            if not as_json:
-                write_line(f"\ncontacting node {uri} ...")
-            async with node_client(name, uri) as peer:
-                pid = await ask(peer, "getPid")
-                connected = await connections(client, peer)
+            show(_format_registrations(name, registered))
+            pid: int | None = None
+            connected: Sequence[NodeConnection] = ()
+            if not quiet:
+                show(f"\ncontacting node {uri} ...")
+                async with node_client(name, uri) as peer:
+                    pid, connected = await ask(peer, "getPid"), await connections(client, peer)
+                show(_format_connections(pid, connected))
             if as_json:
                 write_json(_to_record(name, uri, registered, pid, connected))
-            else:
-                write_line(_format_connections(pid, connected))
     # Scripts for rosnode may rely on its exit code: 0 for unknown nodes too.
     if is_missing and called_as() != "rosnode":
         raise click.exceptions.Exit(EXIT_FAILED)
@@ -150,12 +146,10 @@ def _format_registrations(name: str, registered: NodeRegistrations) -> str:
     return f"{_RULE}\nNode [{name}]\n" + "\n".join(_section(title, lines) for title, lines in sections)
 
 
-def _format_connections(pid: int, connected: Iterable[NodeConnection]) -> str:
+def _format_connections(pid: int | None, connected: Sequence[NodeConnection]) -> str:
     """Return the part that the node itself reported."""
-    lines = [f"Pid: {pid}"]
-    for index, each in enumerate(connected):
-        if not index:
-            lines.append("Connections:")
+    lines = [f"Pid: {pid}", *(["Connections:"] if connected else [])]
+    for each in connected:
         peer = f"{each.peer} ({each.peer_uri})" if each.peer_uri else each.peer
         sockets = " ({} - {}) [{}]".format(*each.sockets) if each.sockets else ""
         lines += [
@@ -168,11 +162,7 @@ def _format_connections(pid: int, connected: Iterable[NodeConnection]) -> str:
 
 
 def _to_record(
-    name: str,
-    uri: str,
-    registered: NodeRegistrations,
-    pid: int | None = None,
-    connected: Iterable[NodeConnection] = (),
+    name: str, uri: str, registered: NodeRegistrations, pid: int | None, connected: Sequence[NodeConnection]
 ) -> dict[str, Any]:
     """Return the record for `--json`; `pid` is null when the node was not asked."""
     return {

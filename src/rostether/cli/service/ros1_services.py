@@ -115,17 +115,13 @@ async def _info(
     name = resolve(service, environment)
     async with master_client(environment) as client:
         node, uri = await provider(client, name), await look_up(client, name)
-    if not as_json:
-        write_line(f"Node: {node}\nURI: {uri}")
+    show: Callable[[str], None] = (lambda _: None) if as_json else write_line
+    show(f"Node: {node}\nURI: {uri}")
     type_name = await probe_uri(name, uri)
-    if not as_json:
-        write_line(f"Type: {type_name}")
+    show(f"Type: {type_name}")
     arguments = _argument_names(type_name, msg_paths)
-    if as_json:
-        record = {"service": name, "node": node, "uri": uri, "type": type_name, "args": arguments.split()}
-        write_json(record)
-    else:
-        write_line(f"Args: {arguments}")
+    record = {"service": name, "node": node, "uri": uri, "type": type_name, "args": arguments.split()}
+    write_result(record, f"Args: {arguments}", as_json=as_json)
 
 
 async def _find(environment: RosEnvironment, type_name: str) -> list[str]:
