@@ -90,16 +90,10 @@ def optional_parts() -> Iterator[OptionalPart]:
         "on Debian and Ubuntu: sudo apt install qemu-system-arm",
     )
     yield _program("g++", "simulated OpenCR boards", "on Debian and Ubuntu: sudo apt install g++")
-    yield _serial()
-    yield _browser()
+    yield _checked("serial ports", "boards on serial ports", _find_ports)
+    yield _checked("browser", "the dashboard on this machine", _find_browser)
     if sys.platform == "linux":
-        works = Path("/run/systemd/system").is_dir()
-        yield OptionalPart(
-            "systemd",
-            "start at boot",
-            "runs" if works else "",
-            "nothing to do, unless `rostether up` must start at boot: use a Linux with systemd",
-        )
+        yield _checked("systemd", "start at boot", _find_systemd)
     yield _checked("multicast", "robots of a fleet", _find_multicast)
 
 
@@ -160,30 +154,30 @@ def _find_multicast() -> str:
     return f"{REFERENCE_GROUP} can be joined"
 
 
-def _serial() -> OptionalPart:
+def _find_systemd() -> str:
+    if not Path("/run/systemd/system").is_dir():
+        raise ConfigError("nothing to do, unless `rostether up` must start at boot: use a Linux with systemd")
+    return "runs"
+
+
+def _find_ports() -> str:
     from rostether.transports.port_facts import may_open
     from rostether.transports.serial import list_ports
     from rostether.transports.serial_errors import explain_permission
 
-    purpose = "boards on serial ports"
     ports = list_ports()
     if not ports:
-        return OptionalPart(
-            "serial ports", purpose, next_step="no port found; connect a board with a USB cable"
-        )
+        raise ConfigError("no port found; connect a board with a USB cable")
     denied = [port.path for port in ports if not may_open(port.path)]
     if denied:
-        return OptionalPart("serial ports", purpose, next_step=explain_permission(denied[0]))
-    return OptionalPart("serial ports", purpose, ", ".join(port.path for port in ports[:_SHOWN_PORTS]))
+        raise ConfigError(explain_permission(denied[0]))
+    return ", ".join(port.path for port in ports[:_SHOWN_PORTS])
 
 
-def _browser() -> OptionalPart:
-    found = next((path for name in _BROWSERS if (path := shutil.which(name))), "")
-    if not found and sys.platform in ("darwin", "win32"):
-        found = "the system's"
-    return OptionalPart(
-        "browser",
-        "the dashboard on this machine",
-        found,
-        "open the dashboard's address on a phone or another machine",
-    )
+def _find_browser() -> str:
+    for name in _BROWSERS:
+        if path := shutil.which(name):
+            return path
+    if sys.platform in ("darwin", "win32"):
+        return "the system's"
+    raise ConfigError("open the dashboard's address on a phone or another machine")
