@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -93,37 +94,30 @@ def hz(
             def now_s() -> float:
                 return time.time() if wall_time else measuring.graph.now().to_s()
 
-            for name in windows:
+            for name, window in windows.items():
+                count = partial(_count, window, now_s)
                 if test is None:
-                    await measuring.add_raw_listener(name, _interval_counter(windows[name], now_s))
+                    await measuring.add_raw_listener(name, count)
                 else:
-                    measuring.add_listener(name, _filtered_counter(windows[name], now_s, test, name))
+                    measuring.add_listener(name, partial(_count_matching, count, test, name))
             async for _ in measuring.reports(options.count):
                 _report_rates(windows, options.as_json)
 
     run(measure())
 
 
-def _interval_counter(
-    window: IntervalWindow, now_s: Callable[[], float]
-) -> Callable[[Sequence[bytes]], None]:
-    def add(payloads: Sequence[bytes]) -> None:
-        # Simulated time is zero until its first message.
-        if stamp_s := now_s():
-            for _ in payloads:
-                window.add(stamp_s)
-
-    return add
-
-
-def _filtered_counter(
-    window: IntervalWindow, now_s: Callable[[], float], test: Callable[[object, str], bool], topic: str
-) -> Callable[[object], None]:
-    def add(message: object) -> None:
-        if test(message, topic) and (stamp_s := now_s()):
+def _count(window: IntervalWindow, now_s: Callable[[], float], messages: Sequence[object]) -> None:
+    # Simulated time is zero until its first message.
+    if stamp_s := now_s():
+        for _ in messages:
             window.add(stamp_s)
 
-    return add
+
+def _count_matching(
+    count: Callable[[Sequence[object]], None], test: Callable[..., bool], topic: str, message: object
+) -> None:
+    if test(message, topic):
+        count([message])
 
 
 def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
