@@ -307,7 +307,7 @@ _ALL = (
     Plant(
         "foxglove-short-message-raises",
         "foxglove",
-        "rostether.gateways.foxglove.client_parser",
+        "rostether.gateways.foxglove.client_messages",
         "if opcode == _MESSAGE_DATA and len(data) >= _CHANNEL_ID.size:",
         "if opcode == _MESSAGE_DATA:",
     ),

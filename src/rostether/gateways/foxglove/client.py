@@ -10,7 +10,6 @@ from rostether.errors import InvalidNameError, RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_parameters import ClientParameters
-from rostether.gateways.foxglove.client_parser import parse_binary, parse_text
 from rostether.gateways.foxglove.client_recordings import ClientRecordings
 from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.client_topics import ClientTopic
@@ -81,7 +80,10 @@ class Client:
     def received(self, message: str | bytes) -> None:
         """Handle a message."""
         try:
-            request = parse_text(message) if isinstance(message, str) else parse_binary(message)
+            if isinstance(message, str):
+                request = requests.parse_text(message)
+            else:
+                request = requests.parse_binary(message)
         except RemoteProtocolError as error:
             self.report_error(str(error))
             return

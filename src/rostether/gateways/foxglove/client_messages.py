@@ -1,13 +1,21 @@
-"""The messages of Foxglove clients: JSON objects with the fields' names in camel case, and binary messages.
+"""The messages of Foxglove clients, parsed and checked: JSON objects by `op`, binary messages by opcode.
 
 Source: the Foxglove WebSocket protocol, https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md.
 """
 
 from __future__ import annotations
 
+import struct
 from typing import Annotated, Any, ClassVar, TypeAlias
 
+import msgspec
 from msgspec import Meta, Struct, field
+
+from rostether.errors import RemoteProtocolError
+from rostether.gateways.large_json import check_few_values, parse_json
+from rostether.gateways.shown_values import show
+from rostether.mechanisms.json_fault import explain_fault
+from rostether.mechanisms.text import counted
 
 # Subscriptions, channels or names in one message; a large system has a few thousand topics.
 MAX_ITEMS = 4096
@@ -205,3 +213,77 @@ class AskTime(ClientMessage, frozen=True):
     """Requests the robot's time; an op of this gateway. The answer has the id."""
 
     id: _Id
+
+
+# Checking a longer text takes longer than 10 ms. The longest texts set a robot description of a few MB.
+MAX_TEXT_MESSAGE_CHARACTERS = 4 << 20
+
+_MESSAGE_DATA, _SERVICE_REQUEST = 0x01, 0x02
+_CHANNEL_ID = struct.Struct("<BI")
+_SERVICE_HEADER = struct.Struct("<BIII")
+
+
+def parse_binary(data: bytes) -> MessageData | ServiceRequest:
+    """Return a binary message. Raises RemoteProtocolError."""
+    opcode = data[0] if data else None
+    if opcode == _MESSAGE_DATA and len(data) >= _CHANNEL_ID.size:
+        return MessageData(_CHANNEL_ID.unpack_from(data)[1], data[_CHANNEL_ID.size :])
+    if opcode == _SERVICE_REQUEST and len(data) >= _SERVICE_HEADER.size:
+        _, service_id, call_id, encoding_bytes = _SERVICE_HEADER.unpack_from(data)
+        start = _SERVICE_HEADER.size + encoding_bytes
+        if encoding_bytes <= MAX_TEXT_CHARACTERS and start <= len(data):
+            encoding = data[_SERVICE_HEADER.size : start].decode("utf-8", "replace")
+            return ServiceRequest(service_id, call_id, encoding, data[start:])
+    if opcode in (_MESSAGE_DATA, _SERVICE_REQUEST):
+        raise RemoteProtocolError(
+            f"a binary message with opcode {opcode} ends early: it has {counted(len(data), 'byte')}"
+        )
+    raise RemoteProtocolError(
+        f"a binary message must begin with {_MESSAGE_DATA} (message data) or {_SERVICE_REQUEST} "
+        f"(service request){'; it is empty' if opcode is None else f', not {opcode}'}"
+    )
+
+
+def parse_text(text: str) -> ClientMessage:
+    """Return a JSON message. Raises RemoteProtocolError with the reason."""
+    if len(text) > MAX_TEXT_MESSAGE_CHARACTERS:
+        raise RemoteProtocolError(
+            f"a text message may have at most {MAX_TEXT_MESSAGE_CHARACTERS} characters, not {len(text)}"
+        )
+    check_few_values(text)
+    try:
+        message = parse_json(text)
+    except (ValueError, RecursionError) as error:
+        raise RemoteProtocolError(f"a text message is not JSON: {error}") from None
+    if not isinstance(message, dict):
+        raise RemoteProtocolError("a text message must be a JSON object with an op")
+    op = message.get("op")
+    message_type = _MESSAGES.get(op) if isinstance(op, str) else None
+    if message_type is None:
+        raise RemoteProtocolError(f"unknown op {show(op)}; known: {', '.join(_MESSAGES)}")
+    try:
+        return msgspec.convert(message, message_type)
+    except msgspec.ValidationError as error:
+        raise RemoteProtocolError(f"{op}: {explain_fault(error)}") from None
+
+
+_MESSAGES: dict[str, type[ClientMessage]] = {
+    "subscribe": Subscribe,
+    "unsubscribe": Unsubscribe,
+    "advertise": Advertise,
+    "unadvertise": Unadvertise,
+    "getParameters": GetParameters,
+    "setParameters": SetParameters,
+    "subscribeParameterUpdates": SubscribeParameters,
+    "unsubscribeParameterUpdates": UnsubscribeParameters,
+    "subscribeConnectionGraph": SubscribeConnectionGraph,
+    "unsubscribeConnectionGraph": UnsubscribeConnectionGraph,
+    "listRecordings": ListRecordings,
+    "startRecording": StartRecording,
+    "stopRecording": StopRecording,
+    "playRecording": PlayRecording,
+    "pausePlayback": PausePlayback,
+    "stopPlayback": StopPlayback,
+    "askTime": AskTime,
+    "fetchAsset": FetchAsset,
+}

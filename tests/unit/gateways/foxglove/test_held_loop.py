@@ -9,7 +9,7 @@ import pytest
 
 from loop_watch import TIMEOUT_S, CallbackWatch
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.foxglove.client_parser import MAX_TEXT_MESSAGE_CHARACTERS, parse_text
+from rostether.gateways.foxglove.client_messages import MAX_TEXT_MESSAGE_CHARACTERS, parse_text
 from unit.gateways.foxglove.protocol_client import ProtocolClient, stage
 from waiting import until
 

@@ -19,8 +19,9 @@ from rostether.gateways.foxglove.client_messages import (
     ServiceRequest,
     SetParameters,
     Subscribe,
+    parse_binary,
+    parse_text,
 )
-from rostether.gateways.foxglove.client_parser import parse_binary, parse_text
 
 
 def test_messages_are_read() -> None:
