@@ -10,12 +10,12 @@ from rostether.errors import InvalidNameError, RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_parameters import ClientParameters
-from rostether.gateways.foxglove.client_recordings import ClientRecordings
 from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.client_topics import ClientTopic
 from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.gateways.foxglove.driven_topic import DrivenTopic
 from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
+from rostether.gateways.foxglove.recordings import ClientRecordings
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.subscription import Subscription
 from rostether.gateways.websocket.access_rules import Rights
@@ -48,7 +48,9 @@ class Client:
         self._topics: dict[int, ClientTopic | DrivenTopic] = {}
         self._work = ClientWork()
         self._parameters = ClientParameters(context, self._work, sender.send, self.report_error)
-        self._recordings = ClientRecordings(context, self._work, sender.send, self.report_error)
+        self._recordings = ClientRecordings(
+            context.recordings, self._work, sender.send, self.report_error, context.run
+        )
         self._fetching = asyncio.Lock()
         self._error_count = 0
         self._waiting_publishers = 0
@@ -66,13 +68,8 @@ class Client:
             requests.SubscribeConnectionGraph: self._watch_graph,
             requests.UnsubscribeConnectionGraph: self._unwatch_graph,
             requests.FetchAsset: self._fetch,
-            requests.ListRecordings: self._recordings.follow,
-            requests.StartRecording: self._recordings.start,
-            requests.StopRecording: self._recordings.stop,
-            requests.PlayRecording: self._recordings.play,
-            requests.PausePlayback: self._recordings.pause,
-            requests.StopPlayback: self._recordings.stop_playing,
             requests.AskTime: self._send_time,
+            **self._recordings.handlers,
         }
 
     # Events of the connection.

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 
 from msgspec import Struct
 
-from rostether.gateways.foxglove.recording_control import RecordingControl
+from rostether.gateways.foxglove.recordings import RecordingControl
 from rostether.gateways.websocket.access_rules import Rights
 from rostether.gateways.websocket.site import Site
 from rostether.graph.ports import Graph

@@ -13,7 +13,7 @@ from rostether.gateways.foxglove.assets import Assets
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
 from rostether.gateways.foxglove.parameters import Parameters
-from rostether.gateways.foxglove.recording_control import RecordingReports
+from rostether.gateways.foxglove.recordings import RecordingReports
 from rostether.gateways.foxglove.services import Services
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.foxglove.sim_clock import SimClock

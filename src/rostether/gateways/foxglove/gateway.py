@@ -25,7 +25,7 @@ from rostether.gateways.foxglove.connection_graph import ConnectionGraph
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.parameters import Parameters
-from rostether.gateways.foxglove.recording_control import RecordingReports
+from rostether.gateways.foxglove.recordings import RecordingReports
 from rostether.gateways.foxglove.server_messages import AdvertisedService, Channel, StatusLevel
 from rostether.gateways.foxglove.services import FindServiceType, Services
 from rostether.gateways.foxglove.settings import FoxgloveSettings

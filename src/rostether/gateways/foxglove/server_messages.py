@@ -154,7 +154,7 @@ def drive(channel_id: int, state: str, driver: str) -> str:
 
 
 def recordings(state: Mapping[str, Any]) -> str:
-    """Return the recordings, see `recording_control.py`; an op of this gateway."""
+    """Return the recordings, see `recordings.py`; an op of this gateway."""
     return _json({"op": "recordings", **state})
 
 

@@ -17,7 +17,7 @@ from websockets.typing import Subprotocol
 
 from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.gateway import FoxgloveGateway
-from rostether.gateways.foxglove.recording_control import RecordingControl
+from rostether.gateways.foxglove.recordings import RecordingControl
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket.site import Site
 from rostether.graph.memory_graph import MemoryGraph

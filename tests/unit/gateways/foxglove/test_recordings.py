@@ -12,7 +12,7 @@ import pytest
 from msgspec.structs import replace
 
 from rostether.errors import ConfigError
-from rostether.gateways.foxglove import recording_control
+from rostether.gateways.foxglove import recordings as recordings_module
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket.own_authority import own_certificate
 from rostether.gateways.websocket.site import Site
@@ -59,7 +59,7 @@ class FakeRecordings:
 
 
 async def test_a_client_starts_watches_and_stops(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recording_control, "PERIOD_S", 0.01)
+    monkeypatch.setattr(recordings_module, "PERIOD_S", 0.01)
     recordings = FakeRecordings()
     async with stage(FREE, recordings=recordings) as there, there.client() as client, there.client() as other:
         assert "record" in client.of("serverInfo")[0]["metadata"]["features"].split(",")
@@ -80,7 +80,7 @@ async def test_a_client_starts_watches_and_stops(monkeypatch: pytest.MonkeyPatch
 
 
 async def test_a_client_plays_a_recording(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(recording_control, "PERIOD_S", 0.01)
+    monkeypatch.setattr(recordings_module, "PERIOD_S", 0.01)
     recordings = FakeRecordings()
     async with stage(FREE, recordings=recordings) as there, there.client() as client:
         await client.say("listRecordings")

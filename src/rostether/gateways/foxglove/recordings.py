@@ -1,17 +1,31 @@
-"""Recording at a client's request: the Protocol of a recorder, and reports to clients."""
+"""Recording at clients' requests: the Protocol of a recorder, the requests of a client, and reports to clients."""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from typing import Any, Protocol
 
 from rostether.errors import RostetherError
+from rostether.gateways.foxglove import server_messages as replies
+from rostether.gateways.foxglove.client_messages import (
+    Action,
+    ListRecordings,
+    PausePlayback,
+    PlayRecording,
+    StartRecording,
+    StopPlayback,
+    StopRecording,
+)
+from rostether.gateways.foxglove.client_work import ClientWork
 from rostether.mechanisms.tasks import cancel_all
 
 # How often the size of a running recording is reported.
 PERIOD_S = 1.0
+
+# Concurrent requests of one client; a user makes one at a time.
+MAX_REQUESTS = 4
 
 
 class RecordingControl(Protocol):
@@ -94,3 +108,82 @@ class RecordingReports:
                 state = {"error": str(error)}
             for report in list(self._followers):
                 report(state)
+
+
+_CHANGES: Mapping[type[Action], Callable[[RecordingControl, Any], Awaitable[None]]] = {
+    StartRecording: lambda control, request: control.start(request.topics, request.format),
+    StopRecording: lambda control, _: control.stop(),
+    PlayRecording: lambda control, request: control.play(
+        request.name, request.start_s, request.rate, is_prefixed=request.is_prefixed
+    ),
+    PausePlayback: lambda control, request: control.pause(is_paused=request.is_paused),
+    StopPlayback: lambda control, _: control.stop_playing(),
+}
+
+
+class ClientRecordings:
+    """Handles one client's requests about recordings.
+
+    `send` sends a message to the client, `report_error` reports an error, and `run` completes work even if
+    the client disconnects.
+    """
+
+    def __init__(
+        self,
+        reports: RecordingReports | None,
+        work: ClientWork,
+        send: Callable[[str], None],
+        report_error: Callable[[str], None],
+        run: Callable[[Coroutine[Any, Any, None]], None],
+    ) -> None:
+        self._reports = reports
+        self._work = work
+        self._send = send
+        self._report_error = report_error
+        self._run = run
+        self._changes = 0
+        self.handlers: dict[type, Callable[[Any], None]] = {
+            ListRecordings: self._follow,
+            **dict.fromkeys(_CHANGES, self._change),
+        }
+
+    def close(self) -> None:
+        """Stop reporting."""
+        if self._reports is not None:
+            self._reports.unfollow(self._report)
+
+    def _follow(self, _: ListRecordings) -> None:
+        if self._reports is None:
+            self._refuse()
+            return
+        self._reports.follow(self._report)
+        self._work.ask(self._reports.report, self._report_error, MAX_REQUESTS, "requests about recordings")
+
+    def _change(self, request: Action) -> None:
+        reports = self._reports
+        if reports is None:
+            self._refuse()
+            return
+        if self._changes >= MAX_REQUESTS:
+            self._report_error(
+                f"more than {MAX_REQUESTS} requests about recordings at once; wait for the responses"
+            )
+            return
+        self._changes += 1
+
+        async def work() -> None:
+            try:
+                await _CHANGES[type(request)](reports.control, request)
+            except RostetherError as error:
+                self._report_error(str(error))
+            finally:
+                self._changes -= 1
+            await reports.report()
+
+        self._run(work())
+
+    def _refuse(self) -> None:
+        self._report_error("this gateway does not record; use `rostether dashboard`")
+
+    def _report(self, state: Mapping[str, Any]) -> None:
+        self._send(replies.recordings(state))
