@@ -61,14 +61,11 @@ class Client:
             requests.Unadvertise: self._unadvertise,
             requests.MessageData: self._publish,
             requests.ServiceRequest: self._call,
-            requests.GetParameters: self._parameters.get,
-            requests.SetParameters: self._parameters.set,
-            requests.SubscribeParameters: self._parameters.watch,
-            requests.UnsubscribeParameters: self._parameters.unwatch,
             requests.SubscribeConnectionGraph: self._watch_graph,
             requests.UnsubscribeConnectionGraph: self._unwatch_graph,
             requests.FetchAsset: self._fetch,
             requests.AskTime: self._send_time,
+            **self._parameters.handlers,
             **self._recordings.handlers,
         }
 

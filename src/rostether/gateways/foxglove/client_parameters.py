@@ -32,19 +32,25 @@ class ClientParameters:
         self._report_error = report_error
         self._watched: set[str] = set()
         self._changed: dict[str, dict[str, Any]] = {}
+        self.handlers: dict[type, Callable[[Any], None]] = {
+            requests.GetParameters: self._get,
+            requests.SetParameters: self._set,
+            requests.SubscribeParameters: self._subscribe,
+            requests.UnsubscribeParameters: self._unsubscribe,
+        }
 
-    def get(self, request: requests.GetParameters) -> None:
-        """Answer with values."""
+    def close(self) -> None:
+        """Stop all watches."""
+        self._unwatch_each(tuple(self._watched))
 
+    def _get(self, request: requests.GetParameters) -> None:
         async def get() -> None:
             values = await self._context.parameters.get(request.parameter_names)
             self._send(replies.parameter_values(values, request.id))
 
         self._ask(get, "parameters cannot be read")
 
-    def set(self, request: requests.SetParameters) -> None:
-        """Set values, and answer with the new values if requested."""
-
+    def _set(self, request: requests.SetParameters) -> None:
         async def set_values() -> None:
             values, errors = await self._context.parameters.set(request.parameters)
             for text in errors:
@@ -54,8 +60,7 @@ class ClientParameters:
 
         self._ask(set_values, "parameters cannot be set")
 
-    def watch(self, request: requests.SubscribeParameters) -> None:
-        """Report changes of the named parameters from now on, or of all if none are named."""
+    def _subscribe(self, request: requests.SubscribeParameters) -> None:
         if request.parameter_names:
             self._watch_each(request.parameter_names)
             return
@@ -65,13 +70,8 @@ class ClientParameters:
 
         self._ask(watch_all, "parameters cannot be watched")
 
-    def unwatch(self, request: requests.UnsubscribeParameters) -> None:
-        """Stop reporting changes of the named parameters, or of all if none are named."""
+    def _unsubscribe(self, request: requests.UnsubscribeParameters) -> None:
         self._unwatch_each(request.parameter_names or tuple(self._watched))
-
-    def close(self) -> None:
-        """Stop all watches."""
-        self._unwatch_each(tuple(self._watched))
 
     def _ask(self, work: Callable[[], Coroutine[Any, Any, None]], failed: str) -> None:
         async def in_time() -> None:
