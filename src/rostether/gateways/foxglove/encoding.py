@@ -1,18 +1,28 @@
-"""Converts the messages of Foxglove clients to ROS messages; slow conversions run in a thread."""
+"""Converts the messages of Foxglove clients to ROS messages; slow conversions run in a thread.
+
+In JSON, times and durations are `{sec, nsec}` as in Foxglove's own messages, or use the field names of ROS 1
+or ROS 2; uint8[] is base64 or a list. Missing fields are zero.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import base64
+import json
 import sys
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
-from msgspec import Struct
+import msgspec
 
-from rostether.errors import SerializationError
-from rostether.gateways.foxglove.json_messages import decode_json
+from rostether.errors import ConfigError, RemoteProtocolError, SerializationError
+from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING
+from rostether.gateways.large_json import check_few_values, parse_json
+from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
-from rostether.serde.layout import Layout
+from rostether.serde.plain_form import base64_text, plain_value
+from rostether.serde.type_tree import Array, Node, Stamp, Struct
+from rostether.serde.values import Message
 
 # Longer messages may take longer than 10 ms. In JSON, each `{}` can be a message with default values.
 MAX_QUICK_JSON_BYTES: Final = 1 << 10
@@ -24,23 +34,27 @@ _MAX_QUICK_ROS1_BYTES: Final = 32 << 10
 _MANY_DEFAULTS: Final = 1000
 
 
-class Encoder(Struct, frozen=True):
+class Encoder(msgspec.Struct, frozen=True):
     """Converts a client's message to a ROS message. `encode` raises SerializationError."""
 
     encode: Callable[[bytes], bytes]
     max_quick_bytes: int
 
     @classmethod
-    def of_json(cls, codec: Codec) -> Encoder:
-        """Return the encoder of JSON messages of a type."""
-        is_small = codec.tree.zero_elements <= _MANY_DEFAULTS
-        return cls(
-            lambda payload: codec.encode(decode_json(codec, payload)), MAX_QUICK_JSON_BYTES if is_small else 0
-        )
+    def of(cls, encoding: str, codec: Codec, what: str = "messages") -> Encoder:
+        """Return the encoder of messages in JSON, or in ROS 1's form, which are only checked.
 
-    @classmethod
-    def of_ros1(cls, layout: Layout) -> Encoder:
-        """Return the encoder of ROS 1 messages, which only checks them."""
+        Raises ConfigError for another encoding, with a text about `what`.
+        """
+        if encoding == JSON_ENCODING:
+            is_small = codec.tree.zero_elements <= _MANY_DEFAULTS
+            return cls(
+                lambda payload: codec.encode(decode_json(codec, payload)),
+                MAX_QUICK_JSON_BYTES if is_small else 0,
+            )
+        if encoding != ROS1_ENCODING:
+            raise ConfigError(f"{what} are {ROS1_ENCODING} or {JSON_ENCODING}, not {encoding[:40]!r}")
+        layout = codec.layout
 
         def check(payload: bytes) -> bytes:
             if not layout.accepts(payload):
@@ -58,3 +72,63 @@ class Encoder(Struct, frozen=True):
         if self.is_slow(payload):
             return await asyncio.to_thread(self.encode, payload)
         return self.encode(payload)
+
+
+_STAMP_FIELDS = {"sec": "secs", "nsec": "nsecs", "nanosec": "nsecs"}
+
+
+def decode_json(codec: Codec, data: bytes) -> dict[str, Any]:
+    """Return the argument of `Codec.encode`. Raises SerializationError."""
+    text = data.decode("utf-8", "replace") or "{}"
+    try:
+        check_few_values(text)
+        value = parse_json(text)
+    except RemoteProtocolError as error:
+        raise SerializationError(f"{error}; send {codec.type_name} in another encoding") from None
+    except (ValueError, RecursionError) as error:
+        raise SerializationError(f"the message for {codec.type_name} is not JSON: {error}") from None
+    if not isinstance(value, dict):
+        raise SerializationError(f"the message for {codec.type_name} must be a JSON object")
+    return _fields(codec.tree, value)
+
+
+def encode_json(message: Message) -> bytes:
+    """Return a message as JSON."""
+    return json.dumps(_plain(message), separators=(",", ":")).encode()
+
+
+def _fields(tree: Struct, value: dict[str, Any]) -> dict[str, Any]:
+    nodes = {member.name: member.node for member in tree.members}
+    return {name: _given(nodes[name], each) if name in nodes else each for name, each in value.items()}
+
+
+def _given(node: Node, value: Any) -> Any:
+    if isinstance(node, Struct) and isinstance(value, dict):
+        return _fields(node, value)
+    if isinstance(node, Stamp) and isinstance(value, dict):
+        return _stamp(value)
+    if isinstance(node, Array):
+        if node.is_bytes and isinstance(value, str):
+            try:
+                return base64.b64decode(value, validate=True)
+            except ValueError:
+                return value
+        if isinstance(value, list):
+            return [_given(node.element, each) for each in value]
+    return value
+
+
+def _stamp(value: dict[str, Any]) -> dict[str, Any]:
+    return {_STAMP_FIELDS.get(name, name): each for name, each in value.items()}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Message):
+        return {name: _plain(getattr(value, name)) for name, _ in value._fields}
+    if isinstance(value, Time | Duration):
+        return {"sec": value.secs, "nsec": value.nsecs}
+    if isinstance(value, bytes):
+        return base64_text(value)
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return plain_value(value)

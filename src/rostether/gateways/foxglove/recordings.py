@@ -1,4 +1,4 @@
-"""Recording at clients' requests: the Protocol of a recorder, the requests of a client, and reports to clients."""
+"""Recording for clients: the Protocol of a recorder, a client's requests, and reports to clients."""
 
 from __future__ import annotations
 

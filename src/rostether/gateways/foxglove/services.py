@@ -6,10 +6,9 @@ import asyncio
 from collections.abc import Awaitable, Callable, Sequence
 from typing import TypeAlias
 
-from rostether.errors import RostetherError, ServiceCallError
-from rostether.gateways.foxglove.encoding import Encoder
-from rostether.gateways.foxglove.json_messages import encode_json
-from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING, AdvertisedService
+from rostether.errors import RostetherError
+from rostether.gateways.foxglove.encoding import Encoder, encode_json
+from rostether.gateways.foxglove.server_messages import JSON_ENCODING, AdvertisedService
 from rostether.gateways.foxglove.settings import NameFilter
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, Snapshot
@@ -93,20 +92,15 @@ class Services:
     ) -> bytes:
         """Call a service; request and response have the same encoding. Raises RostetherError."""
         types = service.type
-        if encoding == JSON_ENCODING:
-            encoder = Encoder.of_json(self._store.codec(types.request.name))
-        elif encoding == ROS1_ENCODING:
-            encoder = Encoder.of_ros1(self._store.layout(types.request.name))
-        else:
-            raise ServiceCallError(f"requests are {ROS1_ENCODING} or {JSON_ENCODING}, not {encoding[:40]!r}")
+        encoder = Encoder.of(encoding, self._store.codec(types.request.name), "requests")
         request = await encoder.convert(payload)
         answer = await self._graph.call_service(service.name, types, request, timeout_s=timeout_s)
-        if encoding == JSON_ENCODING:
-            codec = self._store.codec(types.response.name)
-            if len(answer) > _MAX_QUICK_ANSWER_BYTES:
-                return await asyncio.to_thread(lambda: encode_json(codec.decode(answer)))
-            return encode_json(codec.decode(answer))
-        return answer
+        if encoding != JSON_ENCODING:
+            return answer
+        codec = self._store.codec(types.response.name)
+        if len(answer) > _MAX_QUICK_ANSWER_BYTES:
+            return await asyncio.to_thread(lambda: encode_json(codec.decode(answer)))
+        return encode_json(codec.decode(answer))
 
     async def close(self) -> None:
         """Stop asking for types."""

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from rostether.errors import SerializationError
-from rostether.gateways.foxglove.json_messages import decode_json, encode_json
+from rostether.gateways.foxglove.encoding import decode_json, encode_json
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Duration, Time
 from rostether.serde.store import TypeStore
