@@ -10,11 +10,10 @@ import asyncio
 import contextlib
 
 from rostether.errors import RostetherError
+from rostether.gateways.rosbridge.graph_services import AskServer, OfferedServices, ServiceTypes
 from rostether.gateways.rosbridge.message_forms import MessageForms
-from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 from rostether.gateways.rosbridge.rosbridge_context import Report, RosbridgeContext
-from rostether.gateways.rosbridge.service_types import AskServer, ServiceTypes
 from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import (
     MAX_CLIENTS,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rostether.errors import RostetherError
-from rostether.gateways.rosbridge.service_types import AskServer
+from rostether.gateways.rosbridge.graph_services import AskServer
 from rostether.gateways.type_names import long_type, short_type
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot
 from rostether.msgdef.interface import ANY_TYPE, MessageType
