@@ -12,10 +12,16 @@ from typing import TYPE_CHECKING, Any
 from rostether.errors import RemoteProtocolError, RostetherError
 from rostether.gateways.rosbridge.client_actions import ClientActions
 from rostether.gateways.rosbridge.client_services import ClientServices
-from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Delivery
+from rostether.gateways.rosbridge.client_subscription import (
+    ClientSubscription,
+    Compression,
+    Delivery,
+    Due,
+    Frame,
+    Outbox,
+)
 from rostether.gateways.rosbridge.client_topics import ClientTopics
 from rostether.gateways.rosbridge.fragments import Defragmenter, split_fragments
-from rostether.gateways.rosbridge.outbox import Due, Frame, Outbox
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
 from rostether.gateways.rosbridge.request import Request, read_request
 from rostether.gateways.rosbridge.rosauth import authenticates
@@ -66,7 +72,7 @@ class Session:
         self._connection = connection
         self._context = context
         self._token = token
-        self._outbox: Outbox[ClientSubscription] = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
+        self._outbox: Outbox = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
         self._topics = topics = ClientTopics(
             context, self._outbox, lambda text: self._report_error(text, None)
         )
@@ -251,8 +257,8 @@ class Session:
             report_error(f"sending to {self.name}", error)
             self._connection.abort()
 
-    async def _frames(self, due: Due[ClientSubscription]) -> list[Frame]:
-        subscription = due.receiver
+    async def _frames(self, due: Due) -> list[Frame]:
+        subscription = due.subscription
         delivery = subscription.delivery
         try:
             frame = await self._context.forms.published(

@@ -12,9 +12,10 @@ from rostether.gateways.rosbridge.client_subscription import (
     ClientSubscription,
     Compression,
     Delivery,
+    Due,
+    Outbox,
     merge,
 )
-from rostether.gateways.rosbridge.outbox import Due, Outbox
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection
@@ -28,9 +29,9 @@ def delivery(**fields: Any) -> Delivery:
     return Delivery.read(Request({"op": "subscribe", **fields}))
 
 
-def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox[ClientSubscription], list[str]]:
+def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox, list[str]]:
     errors: list[str] = []
-    outbox = Outbox[ClientSubscription](1 << 20, 1 << 20)
+    outbox = Outbox(1 << 20, 1 << 20)
     made = ClientSubscription("/a", outbox, errors.append)
     made.add_request(None, delivery(**fields), str(fields.get("type", "")))
     return made, outbox, errors
@@ -40,7 +41,7 @@ def take(made: ClientSubscription, *payloads: bytes) -> None:
     made.enqueue(Batch(STRING, payloads))
 
 
-def sent(outbox: Outbox[ClientSubscription]) -> list[bytes]:
+def sent(outbox: Outbox) -> list[bytes]:
     found = []
     while isinstance(item := outbox.next(), Due):
         found.append(item.batch.payloads[item.index])

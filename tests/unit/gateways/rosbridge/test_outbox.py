@@ -3,25 +3,24 @@ from __future__ import annotations
 import asyncio
 from typing import cast
 
-from rostether.gateways.rosbridge.outbox import MAX_STATUSES, Due, Outbox
+from rostether.gateways.rosbridge.client_subscription import MAX_STATUSES, ClientSubscription, Due, Outbox
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection
 from rostether.gateways.websocket.topic_queues import MESSAGE_COST_BYTES, TURN_BYTES
 
 CONNECTION = cast("PublisherConnection", None)
 
 
-class Topic:
-    def __init__(self) -> None:
-        self.dropped_count = 0
+def topics(outbox: Outbox, count: int) -> list[ClientSubscription]:
+    return [ClientSubscription(f"/topic_{number}", outbox, print) for number in range(count)]
 
 
-def put(outbox: Outbox[Topic], topic: Topic, *payloads: bytes, max_messages: int = 1000) -> None:
+def put(outbox: Outbox, topic: ClientSubscription, *payloads: bytes, max_messages: int = 1000) -> None:
     whole = Batch(CONNECTION, payloads)
     for index in range(len(payloads)):
         outbox.put(topic, whole, index, max_messages)
 
 
-def drain(outbox: Outbox[Topic]) -> list[str | bytes]:
+def drain(outbox: Outbox) -> list[str | bytes]:
     """Return everything that waits: answers as they are, messages as their payloads."""
     found: list[str | bytes] = []
     while (item := outbox.next()) is not None:
@@ -30,7 +29,8 @@ def drain(outbox: Outbox[Topic]) -> list[str | bytes]:
 
 
 def test_answers_leave_in_their_order_before_messages_and_topics_in_turn() -> None:
-    outbox, first, second = Outbox[Topic](1_000_000, 1000), Topic(), Topic()
+    outbox = Outbox(1_000_000, 1000)
+    first, second = topics(outbox, 2)
     image = bytes(TURN_BYTES)
     put(outbox, first, image, b"2")
     outbox.answer("a")
@@ -40,7 +40,8 @@ def test_answers_leave_in_their_order_before_messages_and_topics_in_turn() -> No
 
 
 def test_a_full_topic_loses_its_oldest_and_no_other_topic_does() -> None:
-    outbox, fast, slow = Outbox[Topic](1000, 1000), Topic(), Topic()
+    outbox = Outbox(1000, 1000)
+    fast, slow = topics(outbox, 2)
     put(outbox, slow, b"s")
     put(outbox, fast, b"1", b"2", b"3", b"4", max_messages=2)
     put(outbox, slow, b"t")
@@ -49,7 +50,8 @@ def test_a_full_topic_loses_its_oldest_and_no_other_topic_does() -> None:
 
 
 def test_bytes_are_bounded_and_one_message_is_always_kept() -> None:
-    outbox, topic = Outbox[Topic](10 * MESSAGE_COST_BYTES, 1000), Topic()
+    outbox = Outbox(10 * MESSAGE_COST_BYTES, 1000)
+    [topic] = topics(outbox, 1)
     put(outbox, topic, *(b"%d" % digit for digit in range(9)))
     put(outbox, topic, b"x" * 5000)
     assert topic.dropped_count == 9
@@ -57,7 +59,8 @@ def test_bytes_are_bounded_and_one_message_is_always_kept() -> None:
 
 
 def test_a_topic_that_is_discarded_leaves_nothing_behind() -> None:
-    outbox, gone, kept = Outbox[Topic](1000, 1000), Topic(), Topic()
+    outbox = Outbox(1000, 1000)
+    gone, kept = topics(outbox, 2)
     put(outbox, gone, b"1", b"2")
     put(outbox, kept, b"3")
     outbox.discard(gone)
@@ -65,7 +68,7 @@ def test_a_topic_that_is_discarded_leaves_nothing_behind() -> None:
 
 
 def test_statuses_beyond_the_bound_are_skipped() -> None:
-    outbox = Outbox[Topic](1000, 1 << 20)
+    outbox = Outbox(1000, 1 << 20)
     for number in range(MAX_STATUSES + 10):
         outbox.answer(str(number), is_status=True)
     outbox.answer("answer")
@@ -77,7 +80,7 @@ def test_statuses_beyond_the_bound_are_skipped() -> None:
 
 
 def test_a_client_that_leaves_too_many_answers_overflows() -> None:
-    outbox = Outbox[Topic](1000, 10)
+    outbox = Outbox(1000, 10)
     outbox.answer("x" * 100)
     assert not outbox.is_overflowing
     outbox.answer("y")
@@ -86,7 +89,8 @@ def test_a_client_that_leaves_too_many_answers_overflows() -> None:
 
 
 async def test_waiting_ends_with_what_comes_and_where_nothing_more_is_kept() -> None:
-    outbox, topic = Outbox[Topic](1000, 10), Topic()
+    outbox = Outbox(1000, 10)
+    [topic] = topics(outbox, 1)
     waiting = asyncio.ensure_future(outbox.wait())
     await asyncio.sleep(0)
     put(outbox, topic, b"1")
