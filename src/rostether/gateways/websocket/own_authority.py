@@ -10,9 +10,8 @@ import datetime
 import ipaddress
 import socket
 from collections.abc import Iterable
-from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from msgspec import Struct
 
@@ -21,9 +20,20 @@ from rostether.extras import install_command
 from rostether.mechanisms.whole_file import write_whole
 from rostether.transports.own_names import own_addresses
 
-if TYPE_CHECKING:
+try:
     from cryptography import x509
-    from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePrivateKey
+    from cryptography.exceptions import InvalidSignature
+    from cryptography.hazmat.primitives import hashes
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.hazmat.primitives.serialization import (
+        Encoding,
+        NoEncryption,
+        PrivateFormat,
+        load_pem_private_key,
+    )
+    from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+except ImportError:
+    raise ConfigError(f"--tls auto needs another package; run: {install_command('tls')}") from None
 
 _Address: TypeAlias = ipaddress.IPv4Address | ipaddress.IPv6Address
 
@@ -64,10 +74,8 @@ def own_certificate(folder: Path, names: Iterable[str] = ()) -> OwnCertificate:
         folder: Also contains the authority; only this user can read the keys.
         names: Names and addresses of the page, in addition to those that are found.
 
-    Raises ConfigError if a package is missing, a name is invalid, or the files are damaged or not writable.
+    Raises ConfigError if a name is invalid, or the files are damaged or not writable.
     """
-    if find_spec("cryptography") is None:
-        raise ConfigError(f"--tls auto needs another package; run: {install_command('tls')}")
     wanted_names, addresses = _identities(names)
     made = OwnCertificate(folder / "server.pem", folder / "server.key", folder / "authority.pem")
     try:
@@ -117,13 +125,7 @@ def _is_local(address: _Address) -> bool:
 
 def _authority(
     folder: Path, names: set[str], addresses: set[_Address]
-) -> tuple[x509.Certificate, EllipticCurvePrivateKey]:
-    from cryptography import x509
-    from cryptography.hazmat.primitives import hashes
-    from cryptography.hazmat.primitives.asymmetric import ec
-    from cryptography.hazmat.primitives.serialization import load_pem_private_key
-    from cryptography.x509.oid import NameOID
-
+) -> tuple[x509.Certificate, ec.EllipticCurvePrivateKey]:
     certificate_file, key_file = folder / "authority.pem", folder / "authority.key"
     if certificate_file.exists() and key_file.exists():
         certificate = x509.load_pem_x509_certificate(certificate_file.read_bytes())
@@ -135,24 +137,16 @@ def _authority(
         if is_valid and _may_sign(certificate, names, addresses):
             return certificate, key
     key = ec.generate_private_key(ec.SECP256R1())
-    name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"rostether on {socket.gethostname()}"[:64])])
+    name = _named(f"rostether on {socket.gethostname()}"[:64])
     permitted: list[x509.GeneralName] = [x509.DNSName(each) for each in sorted(names)]
     own = [str(each) for each in sorted(addresses, key=str) if not _is_local(each)]
     permitted += [x509.IPAddress(ipaddress.ip_network(each)) for each in (*_LOCAL_NETWORKS, *own)]
-    certificate = (
-        x509.CertificateBuilder()
-        .subject_name(name)
-        .issuer_name(name)
-        .public_key(key.public_key())
-        .serial_number(x509.random_serial_number())
-        .not_valid_before(_now() - datetime.timedelta(days=1))
-        .not_valid_after(_now() + datetime.timedelta(days=_AUTHORITY_DAYS))
-        .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
-        .add_extension(_key_usage(signs_certificates=True), critical=True)
+    builder = (
+        _certificate_builder(name, name, key, _AUTHORITY_DAYS, is_authority=True)
         .add_extension(x509.NameConstraints(permitted, None), critical=True)
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(key.public_key()), critical=False)
-        .sign(key, hashes.SHA256())
     )
+    certificate = builder.sign(key, hashes.SHA256())
     _write_pair(key_file, key, certificate_file, certificate)
     return certificate, key
 
@@ -160,45 +154,27 @@ def _authority(
 def _make_server_certificate(
     made: OwnCertificate,
     authority: x509.Certificate,
-    authority_key: EllipticCurvePrivateKey,
+    authority_key: ec.EllipticCurvePrivateKey,
     names: set[str],
     addresses: set[_Address],
 ) -> None:
-    from cryptography import x509
-    from cryptography.hazmat.primitives import hashes
-    from cryptography.hazmat.primitives.asymmetric import ec
-    from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
-
     key = ec.generate_private_key(ec.SECP256R1())
     identities: list[x509.GeneralName] = [x509.DNSName(each) for each in sorted(names)]
     identities += [x509.IPAddress(each) for each in sorted(addresses, key=str)]
-    certificate = (
-        x509.CertificateBuilder()
-        .subject_name(x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "rostether")]))
-        .issuer_name(authority.subject)
-        .public_key(key.public_key())
-        .serial_number(x509.random_serial_number())
-        .not_valid_before(_now() - datetime.timedelta(days=1))
-        .not_valid_after(_now() + datetime.timedelta(days=_SERVER_DAYS))
-        .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
-        .add_extension(_key_usage(signs_certificates=False), critical=True)
+    signer = x509.AuthorityKeyIdentifier.from_issuer_public_key(authority_key.public_key())
+    builder = (
+        _certificate_builder(_named("rostether"), authority.subject, key, _SERVER_DAYS, is_authority=False)
         .add_extension(x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH]), critical=False)
         .add_extension(x509.SubjectAlternativeName(identities), critical=False)
-        .add_extension(
-            x509.AuthorityKeyIdentifier.from_issuer_public_key(authority_key.public_key()), critical=False
-        )
-        .sign(authority_key, hashes.SHA256())
+        .add_extension(signer, critical=False)
     )
+    certificate = builder.sign(authority_key, hashes.SHA256())
     _write_pair(made.key, key, made.certificate, certificate)
 
 
 def _is_valid(
     made: OwnCertificate, authority: x509.Certificate, names: set[str], addresses: set[_Address]
 ) -> bool:
-    from cryptography import x509
-    from cryptography.exceptions import InvalidSignature
-    from cryptography.hazmat.primitives.serialization import load_pem_private_key
-
     if not made.certificate.exists() or not made.key.exists():
         return False
     try:
@@ -220,8 +196,6 @@ def _is_valid(
 
 
 def _may_sign(authority: x509.Certificate, names: set[str], addresses: set[_Address]) -> bool:
-    from cryptography import x509
-
     try:
         constraints = authority.extensions.get_extension_for_class(x509.NameConstraints).value
     except x509.ExtensionNotFound:
@@ -238,13 +212,17 @@ def _may_sign(authority: x509.Certificate, names: set[str], addresses: set[_Addr
     )
 
 
-def _key_usage(*, signs_certificates: bool) -> x509.KeyUsage:
-    from cryptography import x509
+def _named(name: str) -> x509.Name:
+    return x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, name)])
 
-    return x509.KeyUsage(
-        digital_signature=not signs_certificates,
-        key_cert_sign=signs_certificates,
-        crl_sign=signs_certificates,
+
+def _certificate_builder(
+    subject: x509.Name, issuer: x509.Name, key: ec.EllipticCurvePrivateKey, days: int, *, is_authority: bool
+) -> x509.CertificateBuilder:
+    usage = x509.KeyUsage(
+        digital_signature=not is_authority,
+        key_cert_sign=is_authority,
+        crl_sign=is_authority,
         content_commitment=False,
         key_encipherment=False,
         data_encipherment=False,
@@ -252,13 +230,23 @@ def _key_usage(*, signs_certificates: bool) -> x509.KeyUsage:
         encipher_only=False,
         decipher_only=False,
     )
+    constraints = x509.BasicConstraints(ca=is_authority, path_length=0 if is_authority else None)
+    return (
+        x509.CertificateBuilder()
+        .subject_name(subject)
+        .issuer_name(issuer)
+        .public_key(key.public_key())
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(_now() - datetime.timedelta(days=1))
+        .not_valid_after(_now() + datetime.timedelta(days=days))
+        .add_extension(constraints, critical=True)
+        .add_extension(usage, critical=True)
+    )
 
 
 def _write_pair(
-    key_file: Path, key: EllipticCurvePrivateKey, certificate_file: Path, certificate: x509.Certificate
+    key_file: Path, key: ec.EllipticCurvePrivateKey, certificate_file: Path, certificate: x509.Certificate
 ) -> None:
-    from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
-
     # Other users must not be able to read it.
     write_whole(key_file, key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()), mode=0o600)
     write_whole(certificate_file, certificate.public_bytes(Encoding.PEM), mode=0o644)

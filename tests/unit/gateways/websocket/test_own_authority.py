@@ -2,11 +2,13 @@ from __future__ import annotations
 
 import asyncio
 import datetime
+import importlib
 import ipaddress
 import os
 import socket
 import ssl
 import stat
+import sys
 from pathlib import Path
 
 import pytest
@@ -144,7 +146,8 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
         own_certificate(tmp_path / "file" / "tls")
 
 
-def test_the_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(own_authority, "find_spec", lambda _: None)
+def test_the_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cryptography", None)
+    monkeypatch.delitem(sys.modules, own_authority.__name__)
     with pytest.raises(ConfigError, match=r"'rostether\[tls\]'"):
-        own_certificate(tmp_path)
+        importlib.import_module(own_authority.__name__)
