@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from rostether.gateways.rosbridge.client_subscription import Compression
@@ -33,8 +34,6 @@ class MessageForms:
         self._store = store
         self._style = style
         self._json = JsonForm(style)
-        self._cbor: CborForm | None = None
-        self._cdr: CdrForm | None = None
         self._now = now
 
     def to_json(self, type_name: str, payload: bytes) -> dict[str, Any]:
@@ -90,27 +89,25 @@ class MessageForms:
             from rostether.gateways.rosbridge.cbor import publish_raw
 
             if self._style is Style.ROS2:
-                payload = self._cdr_form().to_cdr(batch.connection.type, payload)
+                payload = self._cdr_form.to_cdr(batch.connection.type, payload)
             return publish_raw(topic, payload, batch.forms.setdefault("received", self._now()))
         codec = batch.connection.codec
         if compression is Compression.CBOR:
-            return self._cbor_form().publish(topic, codec, payload)
+            return self._cbor_form.publish(topic, codec, payload)
         text = batch.forms.get(index)
         if text is None:
             text = batch.forms[index] = self._json.text(codec, payload)
         whole = f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{text}}}'
         return pack_png(whole) if compression is Compression.PNG else whole
 
+    @cached_property
     def _cbor_form(self) -> CborForm:
-        if self._cbor is None:
-            from rostether.gateways.rosbridge.cbor import CborForm
+        from rostether.gateways.rosbridge.cbor import CborForm
 
-            self._cbor = CborForm(self._style)
-        return self._cbor
+        return CborForm(self._style)
 
+    @cached_property
     def _cdr_form(self) -> CdrForm:
-        if self._cdr is None:
-            from rostether.gateways.rosbridge.cdr_form import CdrForm
+        from rostether.gateways.rosbridge.cdr_form import CdrForm
 
-            self._cdr = CdrForm(self._store.registry)
-        return self._cdr
+        return CdrForm(self._store.registry)

@@ -33,11 +33,24 @@ async def encrypted(
     `early` holds the bytes that the protocol has received, and is emptied. Bytes directly after the handshake
     may reach the protocol before this returns. A request without TLS gets an answer that names https.
     """
+    # The server has ended the connection to make room. asyncio would wait for its handshake until the limit,
+    # with a buffer of 256 KiB.
+    if transport.is_closing():
+        return None
+    loop = asyncio.get_running_loop()
     try:
         # asyncio closes its socket if the handshake fails, so the answer to plain HTTP needs another one.
         with socket.socket(fileno=os.dup(transport.get_extra_info("socket").fileno())) as spare:
+            received = bytes(early)
+            early.clear()
+            # uvloop ignores a pause in connection_made, and reads before TLS starts. asyncio replaces the
+            # protocol now, and connects it in the next iteration.
+            if received:
+                loop.call_soon(loop.call_soon, _feed, transport, received)
             try:
-                wire = await _start(transport, protocol, early, context, limit_s)
+                wire = await loop.start_tls(
+                    transport, protocol, context, server_side=True, ssl_handshake_timeout=limit_s
+                )
             except ssl.SSLError as error:
                 clear_handshake(error)
                 if error.reason == "HTTP_REQUEST":
@@ -49,27 +62,6 @@ async def encrypted(
         transport.abort()
         return None
     return None if wire is None or wire.is_closing() else wire
-
-
-async def _start(
-    transport: asyncio.Transport,
-    protocol: asyncio.BaseProtocol,
-    early: bytearray,
-    context: ssl.SSLContext,
-    limit_s: float,
-) -> asyncio.Transport | None:
-    # The server has ended the connection to make room. asyncio would wait for its handshake until the limit,
-    # with a buffer of 256 KiB.
-    if transport.is_closing():
-        return None
-    loop = asyncio.get_running_loop()
-    received = bytes(early)
-    early.clear()
-    # uvloop ignores a pause in connection_made, and reads before TLS starts. asyncio replaces the protocol
-    # now, and connects it in the next iteration.
-    if received:
-        loop.call_soon(loop.call_soon, _feed, transport, received)
-    return await loop.start_tls(transport, protocol, context, server_side=True, ssl_handshake_timeout=limit_s)
 
 
 def _feed(transport: asyncio.Transport, received: bytes) -> None:

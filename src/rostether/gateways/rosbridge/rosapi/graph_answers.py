@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Final, TypeAlias
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
 
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.graph_services import AskServer
+from rostether.gateways.rosbridge.settings import RosbridgeSettings, matches
 from rostether.gateways.type_names import long_type, short_type
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot
-from rostether.msgdef.interface import ANY_TYPE, MessageType
+from rostether.msgdef.interface import ANY_TYPE
 from rostether.msgdef.registry import Registry
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.cdr_form import CdrForm
-
-Allows: TypeAlias = Callable[[str], bool]
 
 # How long one server may take to send its type or host; a server may hang.
 _ASK_LIMIT_S: Final = 3.0
@@ -34,18 +34,17 @@ _ROS2_ACTION_TOPICS: Final = ("/_action/status", "/_action/feedback")
 class GraphAnswers:
     """Answers requests about the graph.
 
-    Clients see only the names that `allows_topic` and `allows_service` accept. `ask_type` and `ask_host` ask
-    the server of a service.
+    Clients see only the names that the `settings` allow. `ask_type` and `ask_host` ask the server of a
+    service.
     """
 
     def __init__(
         self,
         graph: Graph,
         registry: Registry,
+        settings: RosbridgeSettings,
         *,
         is_ros2: bool,
-        allows_topic: Allows,
-        allows_service: Allows,
         ask_type: AskServer | None,
         ask_host: AskServer | None,
     ) -> None:
@@ -54,11 +53,9 @@ class GraphAnswers:
         self._graph = graph
         self._registry = registry
         self._is_ros2 = is_ros2
-        self._allows_topic = allows_topic
-        self._allows_service = allows_service
+        self._settings = settings
         self._ask_type = ask_type
         self._ask_host = ask_host
-        self._cdr_form: CdrForm | None = None
 
     async def topics(self) -> tuple[list[str], list[str]]:
         """Return all topics and, in the same order, their types."""
@@ -156,6 +153,12 @@ class GraphAnswers:
             and self._allows_topic(f"{name}/goal")
         )
 
+    def _allows_topic(self, name: str) -> bool:
+        return matches(name, self._settings.topics_glob)
+
+    def _allows_service(self, name: str) -> bool:
+        return matches(name, self._settings.services_glob)
+
     def _topic(self, topic: str) -> str:
         name = self._graph.resolve(topic)
         return name if self._allows_topic(name) else ""
@@ -176,16 +179,15 @@ class GraphAnswers:
             return ""
         try:
             message_type = self._registry.message_type(short_type(type_name))
-            return self._ros2_text(message_type) if self._is_ros2 else message_type.definition
+            return self._cdr_form.full_text(message_type) if self._is_ros2 else message_type.definition
         except RostetherError as error:
             return f"# failed to get full definition text for {type_name}: {error}"
 
-    def _ros2_text(self, message_type: MessageType) -> str:
-        if self._cdr_form is None:
-            from rostether.gateways.rosbridge.cdr_form import CdrForm
+    @cached_property
+    def _cdr_form(self) -> CdrForm:
+        from rostether.gateways.rosbridge.cdr_form import CdrForm
 
-            self._cdr_form = CdrForm(self._registry)
-        return self._cdr_form.full_text(message_type)
+        return CdrForm(self._registry)
 
     def _services(self, snapshot: Snapshot) -> list[ServiceEntry]:
         return [each for each in snapshot.services.values() if self._allows_service(each.name)]

@@ -6,10 +6,10 @@ On a ROS 2 graph, parameters have names such as `/node:name`, as in rosapi; the 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
-from rostether.errors import AccessDeniedError, SerializationError, UnknownNameError
+from rostether.errors import SerializationError, UnknownNameError
+from rostether.gateways.rosbridge.settings import check_allowed, matches
 from rostether.gateways.rosbridge.values import write_json
 from rostether.graph.ports import Graph, ParamValue
 
@@ -18,14 +18,14 @@ MAX_NESTING = 100
 
 
 class ParameterServices:
-    """Answers requests about parameters; `is_allowed` returns whether clients may use a name.
+    """Answers requests about parameters; clients may use the names that match `globs`, all if it is None.
 
     Methods raise AccessDeniedError for other names, and GraphError.
     """
 
-    def __init__(self, graph: Graph, is_allowed: Callable[[str], bool], *, is_ros2: bool) -> None:
+    def __init__(self, graph: Graph, globs: tuple[str, ...] | None, *, is_ros2: bool) -> None:
         self._graph = graph
-        self._is_allowed = is_allowed
+        self._globs = globs
         self._is_ros2 = is_ros2
 
     async def get(self, name: str, default: str) -> str:
@@ -43,7 +43,7 @@ class ParameterServices:
 
     async def has(self, name: str) -> bool:
         """Return whether a parameter is set; False if clients may not use it."""
-        return self._is_allowed(name) and await self._graph.has_param(self._name(name))
+        return matches(name, self._globs) and await self._graph.has_param(self._name(name))
 
     async def delete(self, name: str) -> None:
         """Delete a parameter, if there is one."""
@@ -64,13 +64,10 @@ class ParameterServices:
             nodes = (await self._graph.snapshot()).nodes
             found = [locate(name, nodes, self._graph.node_name) for name in names]
             names = [f"{each.node}:{each.path}" for each in found]
-        return [name for name in names if self._is_allowed(name)]
+        return [name for name in names if matches(name, self._globs)]
 
     def _name(self, name: str) -> str:
-        if not self._is_allowed(name):
-            raise AccessDeniedError(
-                f"this server does not let clients use {name}; add it to the server's parameter ~params_glob"
-            )
+        check_allowed(name, self._globs, "params_glob")
         return name.replace(":", "/").replace(".", "/") if self._is_ros2 else name
 
 

@@ -19,7 +19,7 @@ from rostether.gateways.rosbridge.request import fields_by_name
 from rostether.gateways.rosbridge.rosapi.graph_answers import GraphAnswers
 from rostether.gateways.rosbridge.rosapi.parameters import ParameterServices
 from rostether.gateways.rosbridge.rosapi.system import SystemAnswers
-from rostether.gateways.rosbridge.settings import RosbridgeSettings, matches
+from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.rosbridge.values import JsonForm, Style
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, JoinGraph, ServiceHandler
@@ -60,15 +60,9 @@ class Rosapi:
         self._store = store
         self._form = JsonForm(style)
         about_graph = GraphAnswers(
-            graph,
-            store.registry,
-            is_ros2=is_ros2,
-            allows_topic=lambda name: matches(name, limits.topics_glob),
-            allows_service=lambda name: matches(name, limits.services_glob),
-            ask_type=ask_type,
-            ask_host=ask_host,
+            graph, store.registry, limits, is_ros2=is_ros2, ask_type=ask_type, ask_host=ask_host
         )
-        parameters = ParameterServices(graph, lambda name: matches(name, limits.params_glob), is_ros2=is_ros2)
+        parameters = ParameterServices(graph, limits.params_glob, is_ros2=is_ros2)
         system = SystemAnswers(
             graph, store.registry, os.environ if environ is None else environ, is_ros2=is_ros2
         )
