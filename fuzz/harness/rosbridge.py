@@ -29,7 +29,6 @@ from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
-from rostether.gateways.websocket.access_rules import Token
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
@@ -239,7 +238,7 @@ async def _converse(lines: list[str]) -> None:
         local_services=Rosapi(graph, _STORE, environ={}),
         report=_tell,
     )
-    session = Session(_Connection(lines, network), around, Token(), "a client")  # type: ignore[arg-type]
+    session = Session(_Connection(lines, network), around, "a client")  # type: ignore[arg-type]
     failures: list[dict[str, Any]] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, context: failures.append(context))
     try:

@@ -199,7 +199,7 @@ class FoxgloveGateway(BlockClosable):
 
     def _open_client(self, connection: Connection) -> Client:
         rights = self._server.access.rights(connection.path, connection.headers)
-        return self.add_client(connection, rights)
+        return self.add_client(connection, rights or Rights.VIEW)
 
     async def _follow(self) -> None:
         context = self.context

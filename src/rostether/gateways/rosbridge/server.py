@@ -25,6 +25,7 @@ from rostether.gateways.rosbridge.settings import (
 )
 from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
+from rostether.gateways.websocket.access_rules import Rights
 from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ConnectionLimits, ServedProtocol
@@ -142,12 +143,10 @@ class RosbridgeServer:
 
     def _open_session(self, connection: Connection) -> WebSocketStream:
         stream = WebSocketStream(connection)
-        session = Session(stream, self._context, self._server.access.token, connection.peer)
-        is_authenticated = not self._server.access.token.is_required or self._server.access.has_token(
-            connection.path, connection.headers
-        )
+        session = Session(stream, self._context, connection.peer)
+        rights = self._server.access.rights(connection.path, connection.headers)
         self._clients[session] = asyncio.ensure_future(
-            self._serve(session, connection, is_authenticated=is_authenticated)
+            self._serve(session, connection, is_authenticated=rights is Rights.FULL)
         )
         self._changed(f"rosbridge: {session.name} connected")
         return stream

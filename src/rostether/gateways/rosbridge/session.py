@@ -35,7 +35,6 @@ from rostether.gateways.rosbridge.settings import (
 from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, status_message
 from rostether.gateways.rosbridge.values import JsonText, write_json
 from rostether.gateways.shown_values import show
-from rostether.gateways.websocket.access_rules import Token
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level
@@ -64,14 +63,11 @@ _CLOSE_POLICY = 1008
 class Session:
     """One connection, from its authentication to its end; `name` is the client's address."""
 
-    def __init__(
-        self, connection: WebSocketStream, context: RosbridgeContext, token: Token, name: str
-    ) -> None:
+    def __init__(self, connection: WebSocketStream, context: RosbridgeContext, name: str) -> None:
         self._level = DEFAULT_LEVEL
         self.name = name
         self._connection = connection
         self._context = context
-        self._token = token
         self._outbox: Outbox = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
         self._topics = topics = ClientTopics(
             context, self._outbox, lambda text: self._report_error(text, None)
@@ -157,7 +153,7 @@ class Session:
                 if first is None:
                     return False
                 fields = (await read_request(first)).fields
-        if fields.get("op") == "auth" and authenticates(self._token, fields, time.time()):
+        if fields.get("op") == "auth" and authenticates(self._context.settings.token, fields, time.time()):
             return True
         reason = "this server requires a token; connect to ws://HOST:PORT/?token=TOKEN, or send op auth first"
         await self._connection.send(status_message(StatusLevel.ERROR, reason))

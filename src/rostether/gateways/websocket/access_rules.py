@@ -78,31 +78,6 @@ def _is_of_program(origin: str | None) -> bool:
     return origin is None or (":" in origin and not origin.startswith(("http:", "https:")))
 
 
-class Token(Struct, frozen=True):
-    """The secret that clients must present; an empty one admits every client."""
-
-    secret: str = ""
-
-    def __repr__(self) -> str:
-        return "Token()"
-
-    @property
-    def is_required(self) -> bool:
-        """Whether clients need the token."""
-        return bool(self.secret)
-
-    def is_presented_in(self, path: str, authorization: str) -> bool:
-        """Return whether a request has the token in `Authorization: Bearer`, or else in `?token=`."""
-        scheme, _, credentials = authorization.partition(" ")
-        if scheme.lower() == _BEARER:
-            return self.matches(credentials.strip())
-        return self.matches(parse_qs(path.partition("?")[2]).get("token", [""])[0])
-
-    def matches(self, given: str) -> bool:
-        """Return whether a text is the secret, in a time that does not depend on the text."""
-        return is_same_secret(given, self.secret)
-
-
 def single_header(headers: Headers, name: str) -> str | None:
     """Return the value of a header, None if it is missing.
 
@@ -119,9 +94,12 @@ def _explain_foreign_host(host: str, remedy: str) -> str:
     return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use {remedy}"
 
 
-def _is_presented(token: Token, path: str, headers: Headers) -> bool:
-    authorization = single_header(headers, "Authorization") or ""
-    return token.is_required and token.is_presented_in(path, authorization)
+def _given_token(path: str, headers: Headers) -> str:
+    """Return the token of a request in `Authorization: Bearer`, or else in `?token=`."""
+    scheme, _, credentials = (single_header(headers, "Authorization") or "").partition(" ")
+    if scheme.lower() == _BEARER:
+        return credentials.strip()
+    return parse_qs(path.partition("?")[2]).get("token", [""])[0]
 
 
 def is_same_secret(given: str, wanted: str) -> bool:
@@ -142,24 +120,25 @@ class AccessRules:
     """The rules of one server; `own_names` are the names of this machine."""
 
     def __init__(self, settings: ServerSettings, protocol: ServedProtocol, own_names: OwnNames) -> None:
-        self.token = Token(settings.token)
-        self._view_token = Token(settings.view_token)
+        self._token = settings.token
+        self._view_token = settings.view_token
         self._pages = PageRule(settings.origins, own_names, protocol.viewer_site)
         self._own_pages = PageRule(settings.origins, own_names)
         self._scheme = "https" if settings.certificate else "http"
         self._path = protocol.path.strip("/")
         self._wants_token_first = protocol.wants_token_first
 
-    def has_token(self, path: str, headers: Headers) -> bool:
-        """Return whether a request has the token; False if the server has none."""
-        return _is_presented(self.token, path, headers)
+    def rights(self, path: str, headers: Headers) -> Rights | None:
+        """Return the rights that the token in a request gives, None without a valid token.
 
-    def rights(self, path: str, headers: Headers) -> Rights:
-        """Return the rights of a client whose request is not refused."""
-        return Rights.FULL if not self.token.is_required or self.has_token(path, headers) else Rights.VIEW
-
-    def _has_view_token(self, path: str, headers: Headers) -> bool:
-        return self.token.is_required and _is_presented(self._view_token, path, headers)
+        Every request has full rights if the server has no token.
+        """
+        if not self._token:
+            return Rights.FULL
+        given = _given_token(path, headers)
+        if is_same_secret(given, self._token):
+            return Rights.FULL
+        return Rights.VIEW if self._view_token and is_same_secret(given, self._view_token) else None
 
     def refusal(self, path: str, headers: Headers) -> tuple[HTTPStatus, str] | None:
         """Return why a WebSocket is refused, None if it is admitted."""
@@ -172,20 +151,21 @@ class AccessRules:
         """
         if (refused := self._refusal(path, headers, self._own_pages)) is not None:
             return refused
-        if self.token.is_required and not self.has_token(path, headers):
+        if self.rights(path, headers) is not Rights.FULL:
             reason = "this needs the full token, not the view token; open the page with the full token"
             return HTTPStatus.FORBIDDEN, reason
         return None
 
     def _refusal(self, path: str, headers: Headers, pages: PageRule) -> tuple[HTTPStatus, str] | None:
         origin, host = single_header(headers, "Origin"), single_header(headers, "Host") or ""
-        has_token = self.has_token(path, headers) or self._has_view_token(path, headers)
-        if not pages.admits(origin, host) and not (has_token and _is_of_program(origin)):
+        rights = self.rights(path, headers)
+        is_known_program = bool(self._token) and rights is not None and _is_of_program(origin)
+        if not is_known_program and not pages.admits(origin, host):
             if origin is None:
                 return HTTPStatus.FORBIDDEN, _explain_foreign_host(host, "--token")
             reason = f"pages of {origin:.200} may not connect; allow them with --origin {origin:.200}"
             return HTTPStatus.FORBIDDEN, reason
-        if self.token.is_required and self._wants_token_first and not has_token:
+        if self._wants_token_first and rights is None:
             reason = "the token is missing or wrong; connect to ws://HOST:PORT/?token=TOKEN"
             return HTTPStatus.FORBIDDEN, reason
         if self._path and path.partition("?")[0].strip("/") != self._path:
@@ -211,7 +191,6 @@ class AccessRules:
             return reason
         if single_header(headers, "Sec-Fetch-Site") in ("cross-site", "same-site"):
             return "pages of other sites may not download recordings; open this address in a new tab"
-        is_known = self.has_token(path, headers) or self._has_view_token(path, headers)
-        if self.token.is_required and not is_known:
+        if self.rights(path, headers) is None:
             return "the token is missing or wrong; add ?token=TOKEN to the address"
         return None

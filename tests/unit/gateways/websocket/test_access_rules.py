@@ -7,7 +7,7 @@ from http import HTTPStatus
 import pytest
 from websockets.datastructures import Headers
 
-from rostether.gateways.websocket.access_rules import AccessRules
+from rostether.gateways.websocket.access_rules import AccessRules, Rights
 from rostether.gateways.websocket.settings import ServedProtocol, ServerSettings
 from rostether.transports.own_names import OwnNames
 
@@ -162,11 +162,13 @@ def test_pages_of_this_machine_alone_may_connect(origin: str | None, host: str, 
         ("//[?token=abc", "", True),
         ("/?token=abc", "Bearer wrong", False),
         ("/?token=wrong&token=abc", "", False),
+        ("//[?token=abc", "Basic x", True),
+        ("/?token=ab\ud800", "", False),
     ],
 )
 def test_the_token_is_in_the_query_or_a_header(path: str, authorization: str, is_known: bool) -> None:
     headers = Headers({"Authorization": authorization} if authorization else {})
-    assert rosbridge_rules("abc").has_token(path, headers) is is_known
+    assert rosbridge_rules("abc").rights(path, headers) is (Rights.FULL if is_known else None)
     assert (rosbridge_rules("abc").refusal(path, headers) is None) is is_known
     assert rosbridge_rules("abc", wants_token_first=False).refusal(path, headers) is None
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 from websockets.datastructures import Headers
 
-from rostether.gateways.websocket.access_rules import PageRule, Token, single_header
+from rostether.gateways.websocket.access_rules import PageRule, single_header
 from rostether.transports.own_names import OwnNames
 
 REBOUND = "stranger.example"
@@ -64,19 +64,6 @@ def test_pages_that_were_named_may_connect() -> None:
     assert rule.admits("null", "robot:1")
     assert not rule.admits("http://panel.example", "robot:1")
     assert PageRule(("*",)).admits("http://a.b", "robot:1")
-
-
-def test_a_request_carries_one_token() -> None:
-    token = Token("abc")
-    assert token.is_required
-    assert not Token().is_required
-    assert token.is_presented_in("/?a=1&token=abc", "")
-    assert token.is_presented_in("/", "bearer  abc ")
-    assert token.is_presented_in("//[?token=abc", "Basic x")
-    assert not token.is_presented_in("/?token=abc", "Bearer wrong")
-    assert not token.is_presented_in("/?token=wrong&token=abc", "")
-    assert not token.matches("ab\ud800")
-    assert "abc" not in repr(token)
 
 
 def test_a_header_that_is_there_twice_is_nothing_that_is_known() -> None:
