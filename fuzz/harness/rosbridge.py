@@ -19,6 +19,7 @@ from fuzz.grammar import near
 from fuzz.lowering import lowered
 from rostether.gateways.rosbridge import client_services, client_topics, fragments
 from rostether.gateways.rosbridge import rosbridge_context as surroundings
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.fragments import split_fragments
 from rostether.gateways.rosbridge.graph_services import OfferedServices, ServiceTypes
 from rostether.gateways.rosbridge.message_forms import MessageForms
@@ -27,7 +28,6 @@ from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from contract.zenoh_graphs import open_session
 from interop.ros1_peers import free_port
 from rostether.errors import MasterUnreachableError
-from rostether.gateways.rosbridge.values import Style
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.registry import Registry

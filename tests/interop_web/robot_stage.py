@@ -11,10 +11,11 @@ from typing import Any
 
 from interop_web.graphs import WebGraph
 from rostether.errors import ServiceCallError
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
 from rostether.gateways.rosbridge.server import RosbridgeServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.gateways.rosbridge.values import JsonForm, Style
+from rostether.gateways.rosbridge.values import JsonForm
 from rostether.graph.ports import Graph
 from rostether.graph.typed_graph import TypedGraph
 from rostether.rostime import Time

@@ -151,9 +151,9 @@ async def rosbridge_server(
     graph: Graph, gateway_graph: GatewayGraph, settings: RosbridgeSettings, report: Report, remote_option: str
 ) -> AsyncIterator[RosbridgeServer]:
     """Run a rosbridge server on a node, and report its address; see `rosbridge_gateway`."""
+    from rostether.gateways.rosbridge.form_source import Style
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
     from rostether.gateways.rosbridge.server import RosbridgeServer
-    from rostether.gateways.rosbridge.values import Style
 
     style = Style.ROS2 if gateway_graph.is_ros2 else Style.ROS1
     rosapi = Rosapi(

@@ -12,11 +12,9 @@ from typing import Any, Final
 
 import cbor2
 
-from rostether.gateways.rosbridge.values import OMITTED, Style, stamp_reader
-from rostether.gateways.rosbridge.values_source import CompiledForms, Leaves, compile_values
+from rostether.gateways.rosbridge.form_source import CompiledForms, Leaves, Style, compile_values
 from rostether.rostime import Time
 from rostether.serde.codec import Codec
-from rostether.serde.plain_form import clean_text
 
 # RFC 8746 tags by `struct` format; uint8[] is a byte string, and booleans have no tag.
 _TYPED_ARRAY_TAGS: Final = {
@@ -36,8 +34,7 @@ class CborForm:
     """Messages of all types in CBOR; `style` is the form of times."""
 
     def __init__(self, style: Style = Style.ROS1) -> None:
-        leaves = Leaves(stamp_reader(style), clean_text, bytes, _typed_array, OMITTED[style])
-        self._readers = CompiledForms(compile_values, leaves)
+        self._readers = CompiledForms(compile_values, Leaves(style, bytes, _typed_array))
 
     def publish(self, topic: str, codec: Codec, payload: bytes) -> bytes:
         """Return the `publish` frame of a payload. Raises SerializationError."""

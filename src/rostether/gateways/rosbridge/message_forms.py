@@ -9,8 +9,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from rostether.gateways.rosbridge.client_subscription import Compression
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.png_packing import pack_png
-from rostether.gateways.rosbridge.values import JsonForm, JsonText, Style
+from rostether.gateways.rosbridge.values import JsonForm, JsonText
 from rostether.gateways.shared_subscriptions import Batch
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore

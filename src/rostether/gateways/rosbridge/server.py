@@ -10,6 +10,7 @@ import asyncio
 import contextlib
 
 from rostether.errors import RostetherError
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.graph_services import AskServer, OfferedServices, ServiceTypes
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
@@ -23,7 +24,6 @@ from rostether.gateways.rosbridge.settings import (
     UNSENT_BYTES,
     RosbridgeSettings,
 )
-from rostether.gateways.rosbridge.values import Style
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.gateways.websocket.access_rules import Rights
 from rostether.gateways.websocket.connection import Connection

@@ -10,41 +10,29 @@ from __future__ import annotations
 import json
 import math
 from binascii import b2a_base64
-from collections.abc import Callable, Mapping
-from enum import Enum
-from typing import Any, Final
+from collections.abc import Mapping
+from typing import Any
 
-from rostether.gateways.rosbridge.json_source import NotFiniteError, compile_text
+from rostether.gateways.rosbridge.form_source import (
+    CompiledForms,
+    Leaves,
+    NotFiniteError,
+    Style,
+    compile_text,
+    compile_values,
+)
 from rostether.gateways.rosbridge.values_in import message_payload
-from rostether.gateways.rosbridge.values_source import CompiledForms, Leaves, compile_values
-from rostether.rostime import Duration, Time
+from rostether.rostime import Time
 from rostether.serde.codec import Codec
-from rostether.serde.plain_form import clean_text
 
 _encode = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
-
-
-class Style(Enum):
-    """The field names of ROS 1 or ROS 2: those of times, and header fields that only one of them has."""
-
-    ROS1 = 1
-    ROS2 = 2
-
-
-def stamp_reader(style: Style) -> Callable[[Time | Duration], dict[str, int]]:
-    """Return a function that converts a time or duration to a dict."""
-    return _ros1_stamp if style is Style.ROS1 else _ros2_stamp
-
-
-# Fields that clients of a style do not expect.
-OMITTED: Final = {Style.ROS1: frozenset[str](), Style.ROS2: frozenset({"std_msgs/Header.seq"})}
 
 
 class JsonForm:
     """Converts messages of all types to JSON values and back; `style` chooses the field names."""
 
     def __init__(self, style: Style = Style.ROS1) -> None:
-        leaves = Leaves(stamp_reader(style), clean_text, _base64, omitted=OMITTED[style])
+        leaves = Leaves(style, _base64)
         self._readers = CompiledForms(compile_values, leaves)
         self._writers = CompiledForms(compile_text, leaves)
 
@@ -98,11 +86,3 @@ def _finite(value: Any) -> Any:
 
 def _base64(value: bytes) -> str:
     return b2a_base64(value, newline=False).decode("ascii")
-
-
-def _ros1_stamp(value: Time | Duration) -> dict[str, int]:
-    return {"secs": value[0], "nsecs": value[1]}
-
-
-def _ros2_stamp(value: Time | Duration) -> dict[str, int]:
-    return {"sec": value[0], "nanosec": value[1]}

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from rostether.gateways.rosbridge.values import Style
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.ros2.actions.types import ID_BYTES, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeClasses

@@ -7,7 +7,7 @@ import cbor2
 import pytest
 
 from rostether.gateways.rosbridge.cbor import CborForm, publish_raw
-from rostether.gateways.rosbridge.values import Style
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Time
 from rostether.serde.store import TypeStore

@@ -8,8 +8,9 @@ import pytest
 from loop_watch import CallbackWatch
 from rostether.errors import SerializationError
 from rostether.gateways.rosbridge.client_subscription import Compression
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.message_forms import MessageForms
-from rostether.gateways.rosbridge.values import JsonText, Style
+from rostether.gateways.rosbridge.values import JsonText
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection
 from rostether.graph.message_stream import LearnedTypes
 from rostether.msgdef.registry import Registry

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from rostether.errors import SerializationError
-from rostether.gateways.rosbridge.values import JsonForm, Style, write_json
+from rostether.gateways.rosbridge.form_source import Style
+from rostether.gateways.rosbridge.values import JsonForm, write_json
 from rostether.msgdef.registry import Registry
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.rostime import Time

@@ -14,13 +14,14 @@ from typing import Any, Final, TypeAlias
 from msgspec import Struct
 
 from rostether.errors import RostetherError
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.graph_services import AskServer
 from rostether.gateways.rosbridge.request import fields_by_name
 from rostether.gateways.rosbridge.rosapi.graph_answers import GraphAnswers
 from rostether.gateways.rosbridge.rosapi.parameters import ParameterServices
 from rostether.gateways.rosbridge.rosapi.system import SystemAnswers
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.gateways.rosbridge.values import JsonForm, Style
+from rostether.gateways.rosbridge.values import JsonForm
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, JoinGraph, ServiceHandler
 from rostether.mechanisms.block_end import closed_at_end

@@ -13,9 +13,9 @@ from rostether.errors import (
     SerializationError,
     ServiceUnavailableError,
 )
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.gateways.rosbridge.values import Style
 from rostether.graph.memory_graph import MemoryGraph
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Snapshot

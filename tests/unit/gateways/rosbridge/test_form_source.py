@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from effort import effort
-from rostether.gateways.rosbridge.values import JsonForm, Style, write_json
+from rostether.gateways.rosbridge.form_source import Style
+from rostether.gateways.rosbridge.values import JsonForm, write_json
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
