@@ -40,7 +40,7 @@ _LIBRARIES = {
     "rostether.gateways.websocket.server,rostether.simulation.simavr.simulated_board,"
     "rostether.firmware.build,rostether.graph.typed_graph,rostether.ros2.zenoh.session,"
     "rostether.recording.recorder,rostether.cli.role.group,rostether.cli.demo.demo,rostether.cli.board.opencr,"
-    "rostether.cli.topic.ros1_listing,rostether.serde.yaml_print,rostether.gateways.shown_values,"
+    "rostether.cli.topic.ros1_listing,rostether.serde.yaml_print,rostether.gateways.client_json,"
     "rostether.cli.bridge.doctor,concurrent.futures.thread,sqlite3,uuid,resource,stringprep,decimal",
 }
 _INTERPRETER = Path(__file__).with_name("warm_interpreter.py")

@@ -12,8 +12,7 @@ import msgspec
 from msgspec import Meta, Struct, field
 
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.large_json import check_few_values, parse_json
-from rostether.gateways.shown_values import show
+from rostether.gateways.client_json import check_few_values, parse_json, show
 from rostether.mechanisms.json_fault import explain_fault
 from rostether.mechanisms.text import counted
 

@@ -16,8 +16,8 @@ from typing import Any, Final
 import msgspec
 
 from rostether.errors import ConfigError, RemoteProtocolError, SerializationError
+from rostether.gateways.client_json import check_few_values, parse_json
 from rostether.gateways.foxglove.server_messages import JSON_ENCODING, ROS1_ENCODING
-from rostether.gateways.large_json import check_few_values, parse_json
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import base64_text, plain_value

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from typing import Any
 
 from rostether.errors import RemoteProtocolError, RostetherError, UnknownNameError
+from rostether.gateways.client_json import show
 from rostether.gateways.rosbridge.client_subscription import Delivery
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.settings import MAX_ACTIONS, MAX_GOALS, check_allowed
-from rostether.gateways.shown_values import show
 from rostether.ros2.actions.server import Ros2ActionServer
 from rostether.ros2.actions.types import ActionTypes, GoalCall, GoalStatus
 from rostether.ros2.types.native_registry import NativeRegistry

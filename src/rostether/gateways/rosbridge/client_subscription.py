@@ -20,10 +20,10 @@ from typing import TypeAlias
 from msgspec import Struct
 
 from rostether.errors import RemoteProtocolError, RostetherError
+from rostether.gateways.client_json import show
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
-from rostether.gateways.shown_values import show
 from rostether.gateways.type_names import short_type
 from rostether.gateways.websocket.topic_queues import TopicQueues
 from rostether.msgdef.interface import ANY_TYPE

@@ -12,10 +12,10 @@ from itertools import count
 from typing import Any, TypeAlias
 
 from rostether.errors import ServiceCallError, ServiceUnavailableError, UnknownNameError
+from rostether.gateways.client_json import show
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_CALLS
-from rostether.gateways.shown_values import show
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, ServiceServer
 from rostether.mechanisms.text import fold_line

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.large_json import count_values, parse_in_steps, parse_json
-from rostether.gateways.shown_values import show
+from rostether.gateways.client_json import count_values, parse_in_steps, parse_json, show
 from rostether.mechanisms.text import counted
 from rostether.serde.codec import Codec
 

@@ -10,6 +10,7 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from rostether.errors import RemoteProtocolError, RostetherError
+from rostether.gateways.client_json import show
 from rostether.gateways.rosbridge.client_actions import ClientActions
 from rostether.gateways.rosbridge.client_services import ClientServices
 from rostether.gateways.rosbridge.client_subscription import (
@@ -34,7 +35,6 @@ from rostether.gateways.rosbridge.settings import (
 )
 from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, status_message
 from rostether.gateways.rosbridge.values import JsonText, write_json
-from rostether.gateways.shown_values import show
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level

@@ -6,7 +6,7 @@ import json
 from enum import IntEnum
 
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.shown_values import show
+from rostether.gateways.client_json import show
 
 
 class StatusLevel(IntEnum):

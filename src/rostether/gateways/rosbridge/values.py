@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from rostether.errors import SerializationError
+from rostether.gateways.client_json import show
 from rostether.gateways.rosbridge.form_source import (
     CompiledForms,
     Leaves,
@@ -25,7 +26,6 @@ from rostether.gateways.rosbridge.form_source import (
     compile_text,
     compile_values,
 )
-from rostether.gateways.shown_values import show
 from rostether.rostime import Duration, Time
 from rostether.serde.codec import Codec
 from rostether.serde.plain_form import base64_text

@@ -11,7 +11,7 @@ import pytest
 
 from loop_watch import CallbackWatch
 from rostether.errors import RemoteProtocolError
-from rostether.gateways.large_json import MAX_CONTAINERS, parse_in_steps
+from rostether.gateways.client_json import MAX_CONTAINERS, parse_in_steps
 from rostether.gateways.rosbridge.request import MAX_WORD_CHARACTERS, Request, read_request
 
 

@@ -1,4 +1,4 @@
-"""JSON with many values, parsed so that other threads can run.
+"""JSON of clients: parses it, also with many values, and shows parts of it in errors.
 
 The parser of the standard library blocks other threads until it has finished: half a second for 10 MB of
 numbers.
@@ -9,12 +9,14 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from itertools import islice
 from json import JSONDecodeError, JSONDecoder
 from json.decoder import JSONArray  # type: ignore[attr-defined]  # not in the stubs
 from json.scanner import py_make_scanner  # type: ignore[attr-defined]
 from typing import Any, Final
 
 from rostether.errors import RemoteProtocolError
+from rostether.mechanisms.text import escape_line
 
 # The limit of lists and objects in one message. Garbage collection looks at each.
 MAX_CONTAINERS: Final = 1 << 18
@@ -30,6 +32,11 @@ _MAX_DIGITS: Final = 64
 
 # Most of a large message is lists of numbers: this many are parsed at once, in less than a millisecond.
 _NUMBERS: Final = re.compile(r"(?:[ \t\r\n]*-?\d[\d.eE+-]{0,63}[ \t\r\n]*,){1,4096}")
+
+# A longer value would hide the rest of the error.
+_MAX_SHOWN = 80
+_SHOWN_DEPTH = 3
+_REST = "..."
 
 
 def _integer(digits: str) -> int:
@@ -84,3 +91,26 @@ def _parse_array(
     if numbers and not rest:
         raise JSONDecodeError("Illegal trailing comma before end of array", text, end - 1)
     return numbers + rest, after
+
+
+def show(value: object) -> str:
+    """Return a client's value for an error: its JSON, shortened to one line."""
+    # Millions of values would take a second, in which no other client is served.
+    text = json.dumps(_beginning(value, _SHOWN_DEPTH), ensure_ascii=False)
+    return escape_line(text.replace(f'"{_REST}"', _REST), _MAX_SHOWN)
+
+
+def _beginning(value: object, depth: int) -> object:
+    if isinstance(value, bytes):
+        return value[: _MAX_SHOWN + 1].decode("utf-8", "replace")
+    if isinstance(value, str):
+        return value[: _MAX_SHOWN + 1]
+    if isinstance(value, list):
+        # A value takes at least two characters.
+        return [_beginning(each, depth - 1) for each in value[:_MAX_SHOWN]] if depth else [_REST]
+    if isinstance(value, dict):
+        if not depth:
+            return {_REST: _REST}
+        items = islice(value.items(), _MAX_SHOWN)
+        return {name[:_MAX_SHOWN]: _beginning(each, depth - 1) for name, each in items}
+    return value
