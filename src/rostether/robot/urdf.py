@@ -7,13 +7,12 @@ Unknown elements are ignored, so a .xacro file without macros also loads.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from rostether.errors import RobotModelError
 from rostether.mechanisms.xml_tree import XmlElement, parse_xml, place_first
 from rostether.robot.robot_model import Joint, JointType, Limits, Mimic, RobotModel
-from rostether.robot.transform import Vector
-from rostether.robot.urdf_numbers import number, numbers, origin, vector
+from rostether.robot.transform import Transform, Vector, quaternion_from_rpy
 
 # The largest robot descriptions have a few MB.
 MAX_XML_BYTES = 64 << 20
@@ -53,12 +52,9 @@ def _robot(robot: XmlElement) -> RobotModel:
         raise robot.error('the robot has no name; write <robot name="...">')
     if robot.get("version") not in (None, "1.0", "1"):
         raise robot.error(f"version {robot.get('version')} is not supported; only 1.0 is")
-    problems: list[str] = []
-    _check_materials(robot, problems)
     links: dict[str, None] = {}
     for element in robot.all("link"):
         link = element.get("name") or ""
-        _check_link(link, element, problems)
         if link in links:
             raise element.error(f"link {link!r} is not unique; rename one")
         links[link] = None
@@ -86,7 +82,7 @@ def _robot(robot: XmlElement) -> RobotModel:
         children[joint.child] = joint.name
         joints[joint.name] = joint
     root = _root(robot, links, children)
-    return RobotModel(name, root, tuple(links), joints, tuple(problems))
+    return RobotModel(name, root, tuple(links), joints, _problems(robot))
 
 
 def _root(robot: XmlElement, links: Iterable[str], children: dict[str, str]) -> str:
@@ -127,7 +123,7 @@ def _joint(element: XmlElement) -> Joint:
         type=joint_type,
         parent=ends[0],
         child=ends[1],
-        origin=origin(element, f"joint {name!r}"),
+        origin=_origin(element, f"joint {name!r}"),
         axis=_axis(element, name, joint_type),
         limits=limits,
         mimic=_mimic(element, name),
@@ -147,7 +143,7 @@ def _axis(element: XmlElement, name: str, joint_type: JointType) -> Vector:
     given = axis.get("xyz") if axis is not None else None
     if axis is None or given is None or joint_type in (JointType.FIXED, JointType.FLOATING):
         return 1.0, 0.0, 0.0
-    direction = vector(axis, given, f"the axis of joint {name!r}")
+    direction = _vector(axis, given, f"the axis of joint {name!r}")
     if not math.hypot(*direction):
         raise axis.error(f"the axis of joint {name!r} is zero; set a direction")
     return direction
@@ -161,10 +157,10 @@ def _limits(element: XmlElement, name: str) -> Limits | None:
     what = f"the limit of joint {name!r}"
     # URDF requires these two.
     for attribute in ("effort", "velocity"):
-        number(limit, attribute, what)
+        _number(limit, attribute, what)
     return Limits(
-        lower=number(limit, "lower", what, 0.0),
-        upper=number(limit, "upper", what, 0.0),
+        lower=_number(limit, "lower", what, 0.0),
+        upper=_number(limit, "upper", what, 0.0),
         soft_lower=_soft_limit(safety, "soft_lower_limit", name),
         soft_upper=_soft_limit(safety, "soft_upper_limit", name),
     )
@@ -173,7 +169,7 @@ def _limits(element: XmlElement, name: str) -> Limits | None:
 def _soft_limit(safety: XmlElement | None, attribute: str, name: str) -> float | None:
     if safety is None or safety.get(attribute) is None:
         return None
-    return number(safety, attribute, f"joint {name!r}")
+    return _number(safety, attribute, f"joint {name!r}")
 
 
 def _mimic(element: XmlElement, name: str) -> Mimic | None:
@@ -184,7 +180,7 @@ def _mimic(element: XmlElement, name: str) -> Mimic | None:
     if joint is None:
         raise mimic.error(f'joint {name!r} mimics no joint; write <mimic joint="..."/>')
     what = f"the mimic of joint {name!r}"
-    return Mimic(joint, number(mimic, "multiplier", what, 1.0), number(mimic, "offset", what, 0.0))
+    return Mimic(joint, _number(mimic, "multiplier", what, 1.0), _number(mimic, "offset", what, 0.0))
 
 
 def _xacro_hint(robot: XmlElement) -> str:
@@ -193,26 +189,27 @@ def _xacro_hint(robot: XmlElement) -> str:
     return ""
 
 
-def _check_materials(robot: XmlElement, problems: list[str]) -> None:
-    """Append the errors in the materials that a robot defines for all links."""
-    for material in robot.all("material"):
+def _problems(robot: XmlElement) -> tuple[str, ...]:
+    """Return the errors in the robot's materials, and in each link's name, shapes and masses."""
+    problems: list[str] = []
+
+    def attempt(check: Callable[..., None], *arguments: object) -> None:
         try:
-            _check_color(material)
+            check(*arguments)
         except RobotModelError as error:
             problems.append(str(error))
 
-
-def _check_link(name: str, element: XmlElement, problems: list[str]) -> None:
-    """Append the errors in a link's name, shapes and masses."""
-    if not name:
-        problems.append(str(element.error('a link has no name; write <link name="...">')))
+    for material in robot.all("material"):
+        attempt(_check_color, material)
     checks = {"visual": _check_shape, "collision": _check_shape, "inertial": _check_inertial}
-    for kind, check in checks.items():
-        for each in element.all(kind):
-            try:
-                check(each, f"{kind} of link {name!r}")
-            except RobotModelError as error:
-                problems.append(str(error))
+    for link in robot.all("link"):
+        name = link.get("name") or ""
+        if not name:
+            problems.append(str(link.error('a link has no name; write <link name="...">')))
+        for kind, check in checks.items():
+            for each in link.all(kind):
+                attempt(check, each, f"{kind} of link {name!r}")
+    return tuple(problems)
 
 
 def _check_shape(element: XmlElement, what: str) -> None:
@@ -220,7 +217,7 @@ def _check_shape(element: XmlElement, what: str) -> None:
     form = next(iter(geometry.children), None) if geometry is not None else None
     if form is None:
         raise element.error(f"{what} has no geometry; write <geometry>, for example with <box size=...>")
-    origin(element, what)
+    _origin(element, what)
     material = element.first("material")
     if material is not None:
         _check_color(material)
@@ -230,16 +227,16 @@ def _check_shape(element: XmlElement, what: str) -> None:
 def _check_form(form: XmlElement, what: str) -> None:
     match form.tag:
         case "box":
-            vector(form, form.get("size") or "", f"the size of {what}")
+            _vector(form, form.get("size") or "", f"the size of {what}")
         case "cylinder":
-            number(form, "radius", what)
-            number(form, "length", what)
+            _number(form, "radius", what)
+            _number(form, "length", what)
         case "sphere":
-            number(form, "radius", what)
+            _number(form, "radius", what)
         case "mesh":
             if not form.get("filename"):
                 raise form.error(f'the mesh of {what} has no filename; write <mesh filename="..."/>')
-            vector(form, form.get("scale") or "1 1 1", f"the scale of {what}")
+            _vector(form, form.get("scale") or "1 1 1", f"the scale of {what}")
         case _:
             raise form.error(f"{what} is a <{form.tag}>; known: box, cylinder, sphere, mesh")
 
@@ -248,7 +245,7 @@ def _check_color(material: XmlElement) -> None:
     color = material.first("color")
     if color is not None:
         what = f"the rgba of material {material.get('name')!r}"
-        rgba = numbers(color, color.get("rgba") or "", what, 4)
+        rgba = _numbers(color, color.get("rgba") or "", what, 4)
         if not all(0 <= each <= 1 for each in rgba):
             raise color.error(f"{what} is not from 0 to 1; divide by 255")
 
@@ -258,6 +255,49 @@ def _check_inertial(element: XmlElement, what: str) -> None:
     if mass is None or inertia is None:
         raise element.error(f"{what} needs <mass> and <inertia>")
     for name in _INERTIA:
-        number(inertia, name, what)
-    number(mass, "value", what)
-    origin(element, what)
+        _number(inertia, name, what)
+    _number(mass, "value", what)
+    _origin(element, what)
+
+
+def _number(element: XmlElement, name: str, what: str, default: float | None = None) -> float:
+    """Return an attribute; without a default, it is required."""
+    text = element.get(name)
+    if text is not None:
+        return _parsed(element, text, f"{name} of {what}")
+    if default is None:
+        raise element.error(f"{what} has no {name}; add it")
+    return default
+
+
+def _numbers(element: XmlElement, text: str, what: str, count: int) -> list[float]:
+    found = [_parsed(element, word, what) for word in text.split()]
+    if len(found) != count:
+        raise element.error(f"{what} has {len(found)} numbers ({text!r}), not {count}")
+    return found
+
+
+def _vector(element: XmlElement, text: str, what: str) -> Vector:
+    x, y, z = _numbers(element, text, what, 3)
+    return x, y, z
+
+
+def _origin(element: XmlElement, what: str) -> Transform:
+    """Return the transform in the <origin xyz rpy> of an element; missing values are zero."""
+    found = element.first("origin")
+    if found is None:
+        return Transform()
+    translation = _vector(found, found.attributes.get("xyz", "0 0 0"), f"the origin of {what}")
+    rpy = _vector(found, found.attributes.get("rpy", "0 0 0"), f"the rpy of {what}")
+    return Transform(translation, quaternion_from_rpy(*rpy)).normalized()
+
+
+def _parsed(element: XmlElement, text: str, what: str) -> float:
+    try:
+        found = float(text)
+    except ValueError:
+        found = math.nan
+    if not math.isfinite(found):
+        hint = "; expand this xacro first" if "${" in text else ""
+        raise element.error(f"{what} is {text!r}, not a number{hint}")
+    return found
