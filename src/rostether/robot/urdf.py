@@ -81,8 +81,7 @@ def _robot(robot: XmlElement) -> RobotModel:
             )
         children[joint.child] = joint.name
         joints[joint.name] = joint
-    root = _root(robot, links, children)
-    return RobotModel(name, root, tuple(links), joints, _problems(robot))
+    return RobotModel(name, _root(robot, links, children), tuple(links), joints, _problems(robot))
 
 
 def _root(robot: XmlElement, links: Iterable[str], children: dict[str, str]) -> str:
@@ -158,18 +157,11 @@ def _limits(element: XmlElement, name: str) -> Limits | None:
     # URDF requires these two.
     for attribute in ("effort", "velocity"):
         _number(limit, attribute, what)
-    return Limits(
-        lower=_number(limit, "lower", what, 0.0),
-        upper=_number(limit, "upper", what, 0.0),
-        soft_lower=_soft_limit(safety, "soft_lower_limit", name),
-        soft_upper=_soft_limit(safety, "soft_upper_limit", name),
-    )
-
-
-def _soft_limit(safety: XmlElement | None, attribute: str, name: str) -> float | None:
-    if safety is None or safety.get(attribute) is None:
-        return None
-    return _number(safety, attribute, f"joint {name!r}")
+    soft = [
+        None if safety is None or safety.get(each) is None else _number(safety, each, f"joint {name!r}")
+        for each in ("soft_lower_limit", "soft_upper_limit")
+    ]
+    return Limits(_number(limit, "lower", what, 0.0), _number(limit, "upper", what, 0.0), *soft)
 
 
 def _mimic(element: XmlElement, name: str) -> Mimic | None:

@@ -3,8 +3,8 @@ from __future__ import annotations
 import math
 
 from rostether.pictures.axis import Axis
-from rostether.pictures.braille import braille
 from rostether.pictures.plot import Curve
+from rostether.pictures.terminal_plot import braille
 
 UNIT = Axis(0.0, 1.0)
 
