@@ -25,7 +25,7 @@ from rostether.cli.gateway.gateways import Report, joined_as, report_reach
 from rostether.cli.gateway.node import NodeNaming
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, Encryption, read_encryption, read_listen_address
 from rostether.cli.shell.output import write_line
-from rostether.dashboard.authority_page import PAGE_FILE, authority_files
+from rostether.dashboard.page_files import PAGE_FILE, authority_files
 from rostether.errors import TransportOpenError
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
