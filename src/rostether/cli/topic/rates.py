@@ -27,7 +27,7 @@ from rostether.cli.shell.output import json_option, write_json, write_line
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.verbs import topics_of
-from rostether.cli.topic.windows import (
+from rostether.graph.message_windows import (
     DEFAULT_BANDWIDTH_WINDOW,
     DelayWindow,
     IntervalWindow,

@@ -46,6 +46,11 @@ class IntervalWindow:
         self._last_s: float | None = None
         self._reported_s: float | None = None
 
+    @property
+    def intervals_s(self) -> list[float]:
+        """The intervals, the oldest first."""
+        return list(self._intervals)
+
     def add(self, now_s: float) -> None:
         """Count a message; start again if the clock went back, as a simulated one does at a restart."""
         if self._last_s is None or now_s < self._last_s:
@@ -97,6 +102,11 @@ class SizeWindow:
 
     def __init__(self, window: int = DEFAULT_BANDWIDTH_WINDOW) -> None:
         self._arrivals: deque[tuple[float, int]] = deque(maxlen=window)
+
+    @property
+    def arrivals(self) -> list[tuple[float, int]]:
+        """The arrival time in seconds and the size in bytes of each message, the oldest first."""
+        return list(self._arrivals)
 
     def add(self, now_s: float, size_bytes: int) -> None:
         """Count a message."""

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.cli.topic.windows import (
+from rostether.graph.message_windows import (
     DelayWindow,
     IntervalWindow,
     SizeWindow,
