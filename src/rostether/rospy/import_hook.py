@@ -89,6 +89,13 @@ def install() -> None:
         sys.meta_path.append(PackageFinder())
 
 
+def import_submodules(package: str) -> None:
+    """Import the modules of a package of ROS that are implemented here, as the real package does."""
+    for name in _IMPLEMENTATIONS:
+        if name.startswith(f"{package}."):
+            importlib.import_module(name)
+
+
 class DefinitionFinder(MetaPathFinder):
     """Finds `package.msg`, `package.srv`, and modules such as `package.msg._Name`, as in genpy."""
 

@@ -1,8 +1,6 @@
 """actionlib on rostether's graph."""
 
 # ruff: noqa: F401
-from importlib import import_module as _import_module
-
 from rostether.rospy.actionlib.action_client import ActionClient
 from rostether.rospy.actionlib.action_server import ActionServer
 from rostether.rospy.actionlib.action_types import ActionException, GoalID, GoalStatus, GoalStatusArray
@@ -13,14 +11,6 @@ from rostether.rospy.actionlib.goal_ids import GoalIDGenerator
 from rostether.rospy.actionlib.server_goal import ServerGoalHandle
 from rostether.rospy.actionlib.simple_action_client import SimpleActionClient, SimpleGoalState
 from rostether.rospy.actionlib.simple_action_server import SimpleActionServer
+from rostether.rospy.import_hook import import_submodules as _import_submodules
 
-for _name in (
-    "action_client",
-    "action_server",
-    "exceptions",
-    "goal_id_generator",
-    "server_goal_handle",
-    "simple_action_client",
-    "simple_action_server",
-):
-    _import_module(f"actionlib.{_name}")
+_import_submodules(__name__)

@@ -2,7 +2,6 @@
 
 # ruff: noqa: F401
 import struct as _struct
-from importlib import import_module as _import_module
 
 from rostether.rospy.client.message import (
     DeserializationError,
@@ -12,8 +11,8 @@ from rostether.rospy.client.message import (
     strify_message,
 )
 from rostether.rospy.client.stamps import Duration, Time, TVal
+from rostether.rospy.import_hook import import_submodules as _import_submodules
 
-for _name in ("dynamic", "message", "rostime"):
-    _import_module(f"genpy.{_name}")
+_import_submodules(__name__)
 
 struct_I = _struct.Struct("<I")  # noqa: N816

@@ -1,9 +1,8 @@
 """roslib: the functions from before catkin, and those that convert type names to classes."""
 
-from importlib import import_module as _import_module
+from rostether.rospy.import_hook import import_submodules as _import_submodules
 
-for _name in ("message", "names", "packages"):
-    _import_module(f"roslib.{_name}")
+_import_submodules(__name__)
 
 
 def load_manifest(package_name: str) -> None:

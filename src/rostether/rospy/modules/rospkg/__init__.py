@@ -1,8 +1,7 @@
 """rospkg: the folders and contents of packages."""
 
 # ruff: noqa: F401
-from importlib import import_module as _import_module
-
+from rostether.rospy.import_hook import import_submodules as _import_submodules
 from rostether.rospy.tools.ros_packages import (
     Depend,
     InvalidManifest,
@@ -18,5 +17,4 @@ from rostether.rospy.tools.ros_packages import (
     get_test_results_dir,
 )
 
-for _name in ("common", "environment", "rospack"):
-    _import_module(f"rospkg.{_name}")
+_import_submodules(__name__)

@@ -72,20 +72,9 @@ from rostether.rospy.client.ros_time import Duration, Rate, Time, Timer, get_ros
 from rostether.rospy.client.services import Service, ServiceProxy, parse_rosrpc_uri, wait_for_service
 from rostether.rospy.client.shutdown import is_shutdown, on_shutdown, signal_shutdown
 from rostether.rospy.client.subscriber import Subscriber
+from rostether.rospy.import_hook import import_submodules as _import_submodules
 
-for _name in (
-    "client",
-    "core",
-    "exceptions",
-    "msg",
-    "msproxy",
-    "names",
-    "rostime",
-    "service",
-    "timer",
-    "topics",
-):
-    _import_module(f"rospy.{_name}")
+_import_submodules(__name__)
 
 # Programs write `import std_msgs` alone, because the real rospy has imported these already.
 for _module in ("std_msgs.msg", "rosgraph_msgs.msg", "roscpp.msg", "roscpp.srv"):

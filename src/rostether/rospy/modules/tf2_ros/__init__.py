@@ -1,8 +1,7 @@
 """tf2_ros on rostether's tf buffer."""
 
 # ruff: noqa: F401
-from importlib import import_module as _import_module
-
+from rostether.rospy.import_hook import import_submodules as _import_submodules
 from rostether.rospy.tf.buffer import Buffer
 from rostether.rospy.tf.buffer import Buffer as BufferCore
 from rostether.rospy.tf.buffer_client import BufferClient
@@ -29,12 +28,4 @@ from rostether.rospy.tf.listener_and_broadcasters import (
     TransformListener,
 )
 
-for _name in (
-    "buffer",
-    "buffer_client",
-    "buffer_interface",
-    "static_transform_broadcaster",
-    "transform_broadcaster",
-    "transform_listener",
-):
-    _import_module(f"tf2_ros.{_name}")
+_import_submodules(__name__)
