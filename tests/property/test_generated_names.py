@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from rostether.codegen.cpp_message import message_header
 from rostether.codegen.cpp_names import class_name, is_variable_array, name_members
+from rostether.codegen.message_headers import message_header
 from rostether.codegen.reserved_words import MEMBERS_OF_EVERY_MESSAGE, is_macro_in_sketches, keywords
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.spec import MessageSpec

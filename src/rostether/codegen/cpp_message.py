@@ -1,12 +1,11 @@
-"""Generates the header of one message, with its class."""
+"""Generates the class of one message."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
 from msgspec import Struct
 
-from rostether.codegen.cpp_header import header
 from rostether.codegen.cpp_literals import (
     float32_literal,
     float64_literal,
@@ -19,9 +18,7 @@ from rostether.codegen.cpp_names import (
     NamedConstant,
     class_name,
     constants_class,
-    include_path,
     is_variable_array,
-    name_members,
     qualified_class,
 )
 from rostether.codegen.reserved_words import is_macro
@@ -29,9 +26,6 @@ from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 _LINE_WIDTH = 110
-
-# Maps the full name of a message to the type whose header contains it: the message itself, or its service.
-HeaderOf = Callable[[str], str]
 
 _STATIC_TYPES = {"float32": "float", "float64": "double", "string": "const char*"}
 
@@ -56,17 +50,9 @@ _ELEMENTS_OF_SEQUENCES = {"int64": "ros::unaligned_int64", "uint64": "ros::unali
 _ZEROS = {"bool": "false", "string": '""', "time": "", "duration": ""}
 
 
-def message_header(spec: MessageSpec, md5sum: str, header_of: HeaderOf = str) -> str:
-    """Return the text of a message's header."""
-    names = name_members(spec)
-    classes = message_class(spec, names, type_name=spec.full_name, md5sum=md5sum)
-    return header(spec.full_name, included_paths(spec, header_of), possible_macros(names), classes)
-
-
-def included_paths(spec: MessageSpec, header_of: HeaderOf) -> set[str]:
-    """Return the headers of the messages that are fields."""
-    types = {field.type.base for field in spec.fields if is_message(field.type.base)}
-    return {include_path(header_of(each)) for each in types}
+def included_messages(spec: MessageSpec) -> set[str]:
+    """Return the full names of the messages that are fields."""
+    return {field.type.base for field in spec.fields if is_message(field.type.base)}
 
 
 def possible_macros(names: MemberNames) -> set[str]:

@@ -1,29 +1,27 @@
-"""Generates the headers of many types, and reports the types that have no header."""
+"""Generates the headers of messages and services, and reports the types that have no header."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from msgspec import Struct, field
 
-from rostether.codegen.cpp_header import header
-from rostether.codegen.cpp_message import (
-    HeaderOf,
-    included_paths,
-    message_class,
-    message_header,
-    possible_macros,
-)
-from rostether.codegen.cpp_names import class_name, include_path, name_members
+from rostether.codegen.cpp_message import included_messages, message_class, possible_macros
+from rostether.codegen.cpp_names import class_name, include_guard, include_path, name_members, namespace_name
 from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
 from rostether.codegen.type_index import TypeIndex
 from rostether.errors import CodegenError, RostetherError
 from rostether.msgdef.md5sum import message_md5sum
 from rostether.msgdef.resolve_types import dependencies
-from rostether.msgdef.spec import ServiceSpec
+from rostether.msgdef.spec import MessageSpec, ServiceSpec
 
 # A package that misses another one may fail in each of its types; the first few show the reason.
 MAX_FAILURES_SHOWN = 5
+
+_MESSAGE_HEADER = "ros/message.h"
+
+# Maps the full name of a message to the type whose header contains it: the message itself, or its service.
+HeaderOf = Callable[[str], str]
 
 
 class MessageHeaders(Struct):
@@ -107,6 +105,11 @@ def _differing_only_in_case(paths: Iterable[str]) -> Iterator[str]:
             )
 
 
+def message_header(spec: MessageSpec, md5sum: str, header_of: HeaderOf = str) -> str:
+    """Return the text of a message's header."""
+    return _header(spec.full_name, [spec], header_of, _class(spec, spec.full_name, md5sum))
+
+
 def service_header(
     spec: ServiceSpec, request_md5sum: str, response_md5sum: str, header_of: HeaderOf = str
 ) -> str:
@@ -114,18 +117,50 @@ def service_header(
 
     Request and response both announce the service's name, each with its own md5sum.
     """
-    messages = (spec.request, request_md5sum), (spec.response, response_md5sum)
-    includes = {path for message, _ in messages for path in included_paths(message, header_of)}
-    not_macros = {name for message, _ in messages for name in possible_macros(name_members(message))}
-    return header(spec.full_name, includes, not_macros, _classes(spec, request_md5sum, response_md5sum))
+    classes = (
+        *_class(spec.request, spec.full_name, request_md5sum),
+        "",
+        *_class(spec.response, spec.full_name, response_md5sum),
+        "",
+        f"class {class_name(spec.name)} {{",
+        " public:",
+        f"  typedef {class_name(spec.request.name)} Request;",
+        f"  typedef {class_name(spec.response.name)} Response;",
+        "};",
+    )
+    return _header(spec.full_name, [spec.request, spec.response], header_of, classes)
 
 
-def _classes(spec: ServiceSpec, request_md5sum: str, response_md5sum: str) -> Iterator[str]:
-    for message, md5sum in ((spec.request, request_md5sum), (spec.response, response_md5sum)):
-        yield from message_class(message, name_members(message), type_name=spec.full_name, md5sum=md5sum)
-        yield ""
-    yield f"class {class_name(spec.name)} {{"
-    yield " public:"
-    yield f"  typedef {class_name(spec.request.name)} Request;"
-    yield f"  typedef {class_name(spec.response.name)} Response;"
-    yield "};"
+def _class(spec: MessageSpec, type_name: str, md5sum: str) -> Iterator[str]:
+    return message_class(spec, name_members(spec), type_name=type_name, md5sum=md5sum)
+
+
+def _header(full_name: str, messages: list[MessageSpec], header_of: HeaderOf, classes: Iterable[str]) -> str:
+    """Return the text of the header of `package/Name`; `classes` are the lines of its namespace."""
+    guard, namespace = include_guard(full_name), namespace_name(full_name.partition("/")[0])
+    includes = {include_path(header_of(name)) for each in messages for name in included_messages(each)}
+    # The header uses these names even if a sketch or platform defines them as macros.
+    macros = sorted({name for each in messages for name in possible_macros(name_members(each))})
+    pushed = [line for name in macros for line in (f'#pragma push_macro("{name}")', f"#undef {name}")]
+    popped = [f'#pragma pop_macro("{name}")' for name in macros]
+    lines = [
+        f"// Generated from {full_name} by rostether; changes are lost when the library is generated again.",
+        f"#ifndef {guard}",
+        f"#define {guard}",
+        "",
+        # In quotes, like the established libraries: scripts that move such a library rewrite these lines.
+        f'#include "{_MESSAGE_HEADER}"',
+        *(f'#include "{path}"' for path in sorted(includes)),
+        "",
+        *([*pushed, ""] if pushed else []),
+        f"namespace {namespace} {{",
+        "",
+        *classes,
+        "",
+        f"}}  // namespace {namespace}",
+        *(["", *popped] if popped else []),
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(lines)

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
-from rostether.codegen.cpp_message import message_header
-from rostether.codegen.message_headers import service_header
+from rostether.codegen.message_headers import message_header, service_header
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.parse_srv import parse_service
 from rostether.msgdef.registry import Registry
