@@ -36,18 +36,6 @@ class TerminalState:
     to_string: ClassVar = classmethod(name_of_state)
 
 
-# The statuses of goals that have ended.
-ENDED = frozenset(
-    {
-        GoalStatus.PREEMPTED,
-        GoalStatus.SUCCEEDED,
-        GoalStatus.ABORTED,
-        GoalStatus.REJECTED,
-        GoalStatus.RECALLED,
-        GoalStatus.LOST,
-    }
-)
-
 _PENDING, _ACTIVE, _RESULT = CommState.PENDING, CommState.ACTIVE, CommState.WAITING_FOR_RESULT
 _RECALLING, _PREEMPTING = CommState.RECALLING, CommState.PREEMPTING
 
@@ -77,6 +65,9 @@ _FROM_CANCELLING: _Transitions = {
 }
 _ENDED_BY_SERVER = (GoalStatus.REJECTED, GoalStatus.RECALLED, GoalStatus.PREEMPTED)
 _ENDED_BY_WORK = (GoalStatus.SUCCEEDED, GoalStatus.ABORTED)
+
+# The statuses of goals that have ended.
+ENDED = frozenset((*_ENDED_BY_SERVER, *_ENDED_BY_WORK, GoalStatus.LOST))
 
 # State -> status -> the states that follow. A missing status is invalid in that state.
 TRANSITIONS: dict[int, _Transitions] = {
