@@ -1,4 +1,4 @@
-"""Finds ROS 2 .msg and .srv files: of installed packages, in the user's folders, and the bundled ones.
+"""Finds and reads definitions of ROS 2: of installed packages, in the user's folders, and the bundled ones.
 
 An installed package PKG has them in `PREFIX/share/PKG/msg` and `.../srv`. The bundled ones are those of one
 distribution, with a folder of differences for every other one.
@@ -10,12 +10,16 @@ import functools
 import os
 import sys
 from collections.abc import Iterable, Mapping
-from enum import Enum, auto
 from pathlib import Path
+from typing import TypeAlias
 
-from rostether.errors import ConfigError
-from rostether.msgdef.definition_files import MAX_LISTED_PACKAGES, Kind
+from rostether.errors import ConfigError, DefinitionError
+from rostether.msgdef.definition_files import MAX_LISTED_PACKAGES, Kind, read_definition
+from rostether.msgdef.ros2.parse import parse_action, parse_message, parse_service
+from rostether.msgdef.ros2.spec import Ros2Action, Ros2Message, Ros2Service
 from rostether.packages.package_xml import PACKAGE_FILE, read_package_xml
+
+Definition: TypeAlias = Ros2Message | Ros2Service | Ros2Action
 
 BUNDLED_FOLDER = Path(__file__).with_name("share")
 BUNDLED_DISTRO = "jazzy"
@@ -35,14 +39,6 @@ _ROS2_BUILD_TOOLS = frozenset(
     {"ament_cmake", "ament_cmake_auto", "ament_python", "rosidl_default_generators"}
 )
 _PREFIX_VARIABLES = ("AMENT_PREFIX_PATH", "COLCON_PREFIX_PATH")
-
-
-class Declared(Enum):
-    """The ROS version for which a package.xml declares definitions."""
-
-    ROS1 = auto()
-    ROS2 = auto()
-    UNKNOWN = auto()
 
 
 def named_distro(environ: Mapping[str, str]) -> str:
@@ -114,23 +110,44 @@ class InstalledPackages:
         return self._roots
 
 
-def declared_by(file: Path) -> Declared:
-    """Return the ROS version that the package.xml in or above a definition's folder declares."""
+def declares_ros2(file: Path) -> bool | None:
+    """Return whether the package.xml in or above a definition's folder is ROS 2's; None if it is unclear."""
     for folder in (file.parent, file.parent.parent):
         if not (folder / PACKAGE_FILE).is_file():
             continue
         try:
             package = read_package_xml(folder)
         except ConfigError:
-            return Declared.UNKNOWN
+            return None
         ros1 = "catkin" in package.dependencies or package.build_type == "catkin"
         ros2 = package.build_type.startswith("ament") or not _ROS2_BUILD_TOOLS.isdisjoint(
             package.dependencies
         )
-        if ros1 == ros2:
-            return Declared.UNKNOWN
-        return Declared.ROS1 if ros1 else Declared.ROS2
-    return Declared.UNKNOWN
+        return None if ros1 == ros2 else ros2
+    return None
+
+
+def parse_file(kind: Kind, file: Path, package: str, name: str) -> Definition:
+    """Return the definition in a file. Raises DefinitionError."""
+    text = read_definition(file)
+    if kind is Kind.ACTION:
+        return parse_action(text, package=package, name=name, file=str(file))
+    if kind is Kind.SERVICE:
+        return parse_service(text, package=package, name=name, file=str(file))
+    return parse_message(text, package=package, name=name, file=str(file))
+
+
+def reads_as_ros2(kind: Kind, file: Path, package: str, *, has_header: bool) -> bool:
+    """Return whether a text is valid in ROS 2; `has_header`: its package defines a `Header`."""
+    try:
+        found = parse_file(kind, file, package, file.stem)
+    except DefinitionError:
+        return False
+    if has_header or package == "std_msgs":
+        return True
+    # A plain `Header` is std_msgs' in ROS 1 and the package's own in ROS 2.
+    header = f"{package}/msg/Header"
+    return not any(field.type.base == header for part in found.parts for field in part.fields)
 
 
 @functools.lru_cache(maxsize=MAX_LISTED_PACKAGES)

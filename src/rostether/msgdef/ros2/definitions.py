@@ -17,18 +17,19 @@ from rostether.msgdef.definition_files import (
 from rostether.msgdef.ros2.action_parts import ActionParts, action_of_part, action_parts
 from rostether.msgdef.ros2.definition_files import (
     BUNDLED_DISTRO,
-    Declared,
+    Definition,
     InstalledPackages,
     bundled_names,
     bundled_packages,
-    declared_by,
+    declares_ros2,
     install_prefixes,
     named_distro,
+    parse_file,
     python_prefixes,
+    reads_as_ros2,
 )
 from rostether.msgdef.ros2.definition_text import message_text
 from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
-from rostether.msgdef.ros2.parse_file import Definition, parse_file, reads_as_ros2
 from rostether.msgdef.ros2.spec import Ros2Action, Ros2Message, Ros2Service
 from rostether.msgdef.ros2.to_ros1 import joined_services
 from rostether.msgdef.ros2.unknown_type import explain_only_idl, explain_unknown, split_name
@@ -279,13 +280,10 @@ class Ros2Definitions:
         """Return whether a user's file is ROS 2's: by its package.xml, or else by its text."""
         known = self._is_ros2_file.get(file)
         if known is None:
-            declared = declared_by(file)
-            known = declared is Declared.ROS2 or (
-                declared is Declared.UNKNOWN
-                and reads_as_ros2(
-                    kind, file, package, has_header="Header" in self._own(package, Kind.MESSAGE)
-                )
-            )
+            known = declares_ros2(file)
+            if known is None:
+                has_header = "Header" in self._own(package, Kind.MESSAGE)
+                known = reads_as_ros2(kind, file, package, has_header=has_header)
             self._is_ros2_file[file] = known
         return known
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
-from rostether.msgdef.ros2.definition_files import Declared, declared_by
+from rostether.msgdef.ros2.definition_files import declares_ros2
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
 from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
@@ -136,7 +136,7 @@ def _is_known(look: Callable[[], object]) -> bool:
     except UnknownTypeError:
         return False
     except DefinitionError as error:
-        if not error.file or declared_by(Path(error.file)) is not Declared.ROS2:
+        if not error.file or not declares_ros2(Path(error.file)):
             raise
         # The definition in ROS 2's syntax belongs to a ROS 2 package near the current folder.
         return False
