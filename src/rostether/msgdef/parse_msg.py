@@ -10,9 +10,17 @@ from __future__ import annotations
 import re
 
 from rostether.errors import DefinitionError
-from rostether.msgdef.primitives import CONSTANT_TYPES, INTEGER_RANGES, PRIMITIVE_TYPES
 from rostether.msgdef.source_line import SourceLine
-from rostether.msgdef.spec import Constant, ConstantValue, Field, FieldType, MessageSpec
+from rostether.msgdef.spec import (
+    CONSTANT_TYPES,
+    INTEGER_RANGES,
+    PRIMITIVE_TYPES,
+    Constant,
+    ConstantValue,
+    Field,
+    FieldType,
+    MessageSpec,
+)
 from rostether.names.graph_name import quote
 
 # Definitions also come from peers; the longest in use have about 20 KB.

@@ -14,7 +14,7 @@ from rostether.cli.shell.own_command import own_command, replace_process
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, DefinitionError
-from rostether.msgdef.primitives import INTEGER_RANGES
+from rostether.msgdef.spec import INTEGER_RANGES
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry

@@ -10,13 +10,11 @@ import re
 from types import MappingProxyType
 
 from rostether.errors import DefinitionError
-from rostether.msgdef import primitives
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.parse import is_constant_name, is_field_name
-from rostether.msgdef.ros2.primitives import INTEGER_RANGES
-from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message, Ros2Type
-from rostether.msgdef.spec import Constant, Field, MessageSpec
+from rostether.msgdef.ros2.spec import INTEGER_RANGES, Ros2Constant, Ros2Field, Ros2Message, Ros2Type
+from rostether.msgdef.spec import PRIMITIVE_TYPES, Constant, Field, MessageSpec
 
 _TIME = "builtin_interfaces/msg/Time"
 _DURATION = "builtin_interfaces/msg/Duration"
@@ -74,7 +72,7 @@ def _field(spec: MessageSpec, field: Field) -> Ros2Field:
             file=spec.full_name,
         )
     base = _RENAMED.get(old.base, old.base)
-    if base == old.base and base not in primitives.PRIMITIVE_TYPES:
+    if base == old.base and base not in PRIMITIVE_TYPES:
         package, _, name = base.partition("/")
         base = f"{package}/msg/{name}"
     return Ros2Field(Ros2Type(base, is_array=old.is_array, length=old.length), ros2_field_name(field.name))
