@@ -9,8 +9,6 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
-from msgspec import Struct
-
 from rostether.firmware.cpp_tokens import tokenize
 from rostether.firmware.ino import read_ino
 from rostether.firmware.sketch import Sketch
@@ -26,9 +24,23 @@ _JOINED = re.compile(
     r"|^[^\"\n]*//.*?(?P<code>void[ \t]+(?:setup|loop)[ \t]*\(.*)$",
     re.MULTILINE,
 )
-_BASE_CLASS = re.compile(r"conver(?:t|sion).* to .(?:const )?ros::Msg\s*[*&]")
-_STRING = re.compile("(?:convert|from) ['\u2018]String(?:SumHelper)?['\u2019] to .*const char\\*")
-_FLASH_TEXT = re.compile(r"cannot convert .const __FlashStringHelper\s*\*")
+# Errors of the compiler that beginners do not understand.
+_HINTS = (
+    (
+        re.compile(r"conver(?:t|sion).* to .(?:const )?ros::Msg\s*[*&]"),
+        "generated messages are not ros::Msg: make the function or class a template of the message's class,"
+        " such as template <class M> void send(const M* message)",
+    ),
+    (
+        re.compile(r"cannot convert .const __FlashStringHelper\s*\*"),
+        'a field of a message needs a text in RAM: remove F(). Logs accept it: nh.loginfo(F("..."))',
+    ),
+    (
+        re.compile("(?:convert|from) ['\u2018]String(?:SumHelper)?['\u2019] to .*const char\\*"),
+        "keep the String until the message is sent, and assign its text: String text = ...; message.data ="
+        " text.c_str();",
+    ),
+)
 # Packages of messages have such names, with types in camel case; folders of libraries rarely do.
 _TYPE_HEADER = re.compile(r"(?:\w+_(?:msgs|srvs)/\w+|[a-z][a-z0-9_]*/[A-Z]\w*)\.h")
 # Headers that no library contains.
@@ -64,8 +76,7 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
     lines = []
     if "stray" in output or "missing terminating" in output or "expects" in output:
         for path in [*sketch.inos, *sketch.sources]:
-            text = read_ino(path).text
-            lines += [each.explain(str(path)) for each in find_typographic(text)]
+            lines += typographic_errors(read_ino(path).text, str(path))
     if "error" in output or "undefined reference" in output:
         for path in [*sketch.inos, *sketch.sources]:
             lines += _joined_lines(read_ino(path).text, str(path))
@@ -75,20 +86,7 @@ def explain(output: str, sketch: Sketch, skipped: Sequence[str] = ()) -> str:
         for name in dict.fromkeys(_UNDECLARED.findall(output))
         if name.startswith("BDPIN_")
     ]
-    if _BASE_CLASS.search(output):
-        lines.append(
-            "note: generated messages are not ros::Msg: make the function or class a template of the"
-            " message's class, such as template <class M> void send(const M* message)"
-        )
-    if _FLASH_TEXT.search(output):
-        lines.append(
-            'note: a field of a message needs a text in RAM: remove F(). Logs accept it: nh.loginfo(F("..."))'
-        )
-    if _STRING.search(output):
-        lines.append(
-            "note: keep the String until the message is sent, and assign its text: String text = ...; "
-            "message.data = text.c_str();"
-        )
+    lines += [f"note: {hint}" for pattern, hint in _HINTS if pattern.search(output)]
     missing = dict.fromkeys(_MISSING_HEADER.findall(output))
     lines += [_explain_header(header) for header in missing]
     lines += [f"note: {each}" for each in skipped if missing]
@@ -101,8 +99,7 @@ def _joined_lines(text: str, path: str) -> list[str]:
     found = []
     for match in _JOINED.finditer(text):
         group = next(name for name in ("rest", "second", "code") if match[name])
-        line = text.count("\n", 0, match.start()) + 1
-        location = f"{path}:{line}:{match.start(group) - match.start() + 1}"
+        location = _location(path, text, match.start(group))
         what = "a web page joined several lines into this one; start a new line before"
         found.append(f"{location}: error: {what} `{match[group][:30].strip()}`")
     return found[:MAX_REPORTED]
@@ -131,40 +128,27 @@ def _shorten(text: str, folder: Path) -> str:
     return text.replace(f"{folder}{os.sep}", "" if prefix == "." else f"{prefix}{os.sep}")
 
 
-class Typographic(Struct, frozen=True):
-    """A wrong character in code, and its replacement; line and column count from 1."""
-
-    line: int
-    column: int
-    character: str
-    plain: str
-
-    def explain(self, path: str) -> str:
-        """Return an error in the compiler's format that names the character to type."""
-        name = unicodedata.name(self.character, "").lower() or f"character U+{ord(self.character):04X}"
-        shown = f"{self.character} " if self.character.isprintable() and not self.character.isspace() else ""
-        return (
-            f"{path}:{self.line}:{self.column}: error: {shown}({name}) comes from a web page or PDF; "
-            f"type {self.plain} instead"
-        )
-
-
-def find_typographic(text: str) -> list[Typographic]:
-    """Return the first typographic characters outside comments and complete strings."""
-    found: list[Typographic] = []
+def typographic_errors(text: str, path: str) -> list[str]:
+    """Return errors that name the first typographic characters outside comments and complete strings."""
+    found: list[str] = []
     for token in tokenize(text):
         if token.kind == "comment" or (token.kind in ("string", "char") and _is_complete(token.text)):
             continue
-        for index, character in enumerate(token.text):
+        for offset, character in enumerate(token.text, token.offset):
             if character in _PLAIN and len(found) < MAX_REPORTED:
-                offset = token.offset + index
-                line_start = text.rfind("\n", 0, offset) + 1
+                name = unicodedata.name(character, "").lower() or f"character U+{ord(character):04X}"
+                shown = f"{character} " if character.isprintable() and not character.isspace() else ""
                 found.append(
-                    Typographic(
-                        text.count("\n", 0, offset) + 1, offset - line_start + 1, character, _PLAIN[character]
-                    )
+                    f"{_location(path, text, offset)}: error: {shown}({name}) comes from a web page or PDF; "
+                    f"type {_PLAIN[character]} instead"
                 )
     return found
+
+
+def _location(path: str, text: str, offset: int) -> str:
+    """Return a place in the compiler's format; lines and columns count from 1."""
+    line, column = text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset)
+    return f"{path}:{line}:{column}"
 
 
 def _is_complete(text: str) -> bool:

@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.firmware.diagnostics import MAX_REPORTED, find_typographic
+from rostether.firmware.diagnostics import MAX_REPORTED, typographic_errors
 
 
 def explain(text: str) -> list[str]:
-    return [each.explain("a.ino") for each in find_typographic(text)]
+    return typographic_errors(text, "a.ino")
 
 
 @pytest.mark.parametrize(
