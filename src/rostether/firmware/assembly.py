@@ -65,8 +65,13 @@ class Assembly:
 
     async def assemble(self, given: Sequence[Path], *, warnings: bool) -> Assembled:
         """Compile and link. `given` are the user's libraries. Raises the errors of `build_sketch`."""
-        roots = self._library_roots(given)
-        choice = LibraryChoice(self._libraries(roots, len(given)), self._ros)
+        given = [each.expanduser().resolve() for each in given]
+        sketchbooks = sketchbook_folders(os.environ, Path(os.environ.get("HOME") or Path.home()))
+        libraries = [library for each in given for library in read_given(each)]
+        libraries += [library for each in sketchbooks for library in read_folder(each, Origin.SKETCHBOOK)]
+        libraries += read_folder(self._toolchain.libraries, Origin.CORE)
+        libraries += read_folder(SIMULATION_LIBRARIES, Origin.SIMULATION)
+        choice = LibraryChoice(libraries, self._ros)
         try:
             async with asyncio.TaskGroup() as tasks:
                 # The core does not depend on the sketch, and is most of the work of a first build.
@@ -83,7 +88,7 @@ class Assembly:
             libraries=choice.used,
             output="".join(each.output for each in objects),
             files=frozenset((*files, *self._sketch.inos, *self._sketch.sources, elf, image)),
-            folders=[self._sketch.folder, *roots],
+            folders=[self._sketch.folder, *given, *sketchbooks, self._toolchain.libraries],
         )
 
     async def _build_core(self) -> tuple[Path, list[Compiled]]:
@@ -115,18 +120,6 @@ class Assembly:
     def _write_source(self, text: str) -> Path:
         name = f"{self._sketch.name}.ino.cpp"
         return self._cache.write_text("sources", digest("source", name, text), name, text)
-
-    def _library_roots(self, given: Sequence[Path]) -> list[Path]:
-        home = Path(os.environ.get("HOME") or Path.home())
-        folders = [each.expanduser().resolve() for each in given]
-        return [*folders, *sketchbook_folders(os.environ, home), self._toolchain.libraries]
-
-    def _libraries(self, roots: Sequence[Path], given: int) -> list[Library]:
-        found = [library for each in roots[:given] for library in read_given(each)]
-        for folder in roots[given:-1]:
-            found += read_folder(folder, Origin.SKETCHBOOK)
-        found += read_folder(roots[-1], Origin.CORE)
-        return found + read_folder(SIMULATION_LIBRARIES, Origin.SIMULATION)
 
 
 async def _all(compiling: Iterable[Coroutine[Any, Any, Compiled]]) -> list[Compiled]:

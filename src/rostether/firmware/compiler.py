@@ -68,8 +68,8 @@ class Compiler:
 
         Raises SketchError with the compiler's output, FirmwareError if the cache folder cannot be written.
         """
-        recipe = self._recipe(_RECIPES.get(source.suffix, "cpp.o"), warnings)
-        arguments = self._fill(recipe, source, includes)
+        recipe = self._toolchain.recipe(_RECIPES.get(source.suffix, "cpp.o"), self._board, warnings)
+        arguments = self._fill(recipe, [source], includes)
         key = digest("compile", self._toolchain.identity, arguments, source)
         known = self._cache.load(key)
         if known is not None:
@@ -97,10 +97,7 @@ class Compiler:
 
         Raises SketchError with the compiler's output.
         """
-        base = [each for each in self._recipe("cpp.o", "none") if each not in _OUTPUT_FLAGS]
-        arguments = self._fill(base, None, includes)
-        arguments = [each for each in arguments if each != "{source_file}"]
-        arguments += ["-x", "c++", "-M", "-MG", *map(str, sources)]
+        arguments = [*self._preprocessing([], includes), "-x", "c++", "-M", "-MG", *map(str, sources)]
         key = digest("scan", self._toolchain.identity, arguments)
         known = self._cache.load(key)
         if known is not None:
@@ -118,9 +115,8 @@ class Compiler:
 
     async def preprocess(self, source: Path, includes: Sequence[Path]) -> str | None:
         """Return a source with conditional directives resolved and macros kept; None if that fails."""
-        base = [each for each in self._recipe("cpp.o", "none") if each not in _OUTPUT_FLAGS]
-        arguments = self._fill(base, source, includes)
-        code, output = await self._run([*arguments, "-E", "-fdirectives-only"], merge=False)
+        arguments = [*self._preprocessing([source], includes), "-E", "-fdirectives-only"]
+        code, output = await self._run(arguments, merge=False)
         return None if code else output
 
     async def archive(self, objects: Sequence[Path]) -> Path:
@@ -165,13 +161,15 @@ class Compiler:
             self._cache.path("programs", key, f"{name}.hex"),
         )
 
-    def _recipe(self, name: str, warnings: str) -> list[str]:
-        return self._toolchain.recipe(name, self._board, warnings)
+    def _preprocessing(self, sources: Sequence[Path], includes: Iterable[Path]) -> list[str]:
+        recipe = self._toolchain.recipe("cpp.o", self._board)
+        return self._fill([each for each in recipe if each not in _OUTPUT_FLAGS], sources, includes)
 
-    def _fill(self, recipe: Sequence[str], source: Path | None, includes: Iterable[Path]) -> list[str]:
-        replacements = {"{includes}": [*self._defines, *(f"-I{each}" for each in includes)]}
-        if source is not None:
-            replacements["{source_file}"] = [str(source)]
+    def _fill(self, recipe: Sequence[str], sources: Sequence[Path], includes: Iterable[Path]) -> list[str]:
+        replacements = {
+            "{includes}": [*self._defines, *(f"-I{each}" for each in includes)],
+            "{source_file}": [str(each) for each in sources],
+        }
         return _substitute(recipe, replacements)
 
     async def _run_or_fail(self, arguments: Sequence[str], what: str) -> None:
