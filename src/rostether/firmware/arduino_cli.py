@@ -13,7 +13,7 @@ from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.diagnostics import explain
 from rostether.firmware.libraries import Library, choose, read_given
 from rostether.firmware.ros_library import RosLibrary
-from rostether.firmware.sketch import Sketch, files_below, included_headers
+from rostether.firmware.sketch import Sketch, included_headers
 from rostether.firmware.toolchain import find_arduino_cli
 from rostether.mechanisms.program import run_program
 
@@ -62,10 +62,7 @@ async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOpt
 
 
 def _ros_library(sketch: Sketch, given: list[Library], ros: RosLibrary) -> Library | None:
-    files = [*sketch.inos, *sketch.sources]
-    if sketch.owns_folder:
-        files += files_below(sketch.folder, (".h",))
-    headers = included_headers(files)
+    headers = included_headers(sketch.files((".h",)))
     wanted = [each for each in headers if choose(each, given) is None and ros.add_header(each)]
     return ros.write() if wanted else None
 

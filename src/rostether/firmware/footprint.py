@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import bisect
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -229,20 +230,19 @@ class _Count:
 
     def _bytes_by_group(self, start: int, stop: int, otherwise: str | None) -> dict[str, int]:
         """Return the number of bytes of each group in a range of code."""
-        shares: dict[str, int] = {}
+        shares: Counter[str] = Counter()
         position = start
         for each in self._ranges_between(start, stop):
             self._count_gap(shares, position, each.start, otherwise)
             group = self._origins.of_file(each.file) or otherwise or RUNTIME
             first, position = max(each.start, position), min(each.end, stop)
-            shares[group] = shares.get(group, 0) + max(position - first, 0)
+            shares[group] += max(position - first, 0)
         self._count_gap(shares, position, stop, otherwise)
-        return {group: size for group, size in shares.items() if size}
+        return +shares
 
-    def _count_gap(self, shares: dict[str, int], start: int, stop: int, otherwise: str | None) -> None:
+    def _count_gap(self, shares: Counter[str], start: int, stop: int, otherwise: str | None) -> None:
         if stop > start:
-            group = otherwise or self._unnamed_group(start)
-            shares[group] = shares.get(group, 0) + stop - start
+            shares[otherwise or self._unnamed_group(start)] += stop - start
 
     def _unnamed_group(self, address: int) -> str:
         """Return the group of code that no symbol with a size covers: start-up code or assembly code."""

@@ -12,7 +12,7 @@ from rostether.errors import FirmwareError, SketchError
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.ino import add_prototypes, read_ino
 from rostether.firmware.ros_library import RosLibrary
-from rostether.firmware.sketch import Sketch, files_below, included_headers, open_sketch
+from rostether.firmware.sketch import included_headers, open_sketch
 from rostether.mechanisms.program import run_program
 
 _COMPILER = "g++"
@@ -45,7 +45,7 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
     found = open_sketch(sketch)
     cache = BuildCache(cache_folder())
     ros = RosLibrary(cache, found.definition_folders(msg_paths))
-    files = _files(found)
+    files = found.files(_SOURCES)
     for header in included_headers(files):
         ros.add_header(header)
     library = ros.write()
@@ -78,10 +78,3 @@ def _core() -> Path:
     from rostether.codegen.library_source import client_library
 
     return client_library() / "extras" / "opencr_on_linux"
-
-
-def _files(sketch: Sketch) -> list[Path]:
-    files = [*sketch.inos, *sketch.sources]
-    if sketch.owns_folder:
-        files += files_below(sketch.folder, _SOURCES)
-    return list(dict.fromkeys(files))

@@ -40,6 +40,11 @@ class Sketch(Struct, frozen=True):
         candidates = (header.with_suffix(suffix) for suffix in SOURCE_SUFFIXES)
         return next((each for each in candidates if each.is_file()), None)
 
+    def files(self, suffixes: Collection[str]) -> list[Path]:
+        """Return its files, and those of its own folder with some suffixes. Raises FirmwareError."""
+        below = files_below(self.folder, suffixes) if self.owns_folder else ()
+        return list(dict.fromkeys((*self.inos, *self.sources, *below)))
+
     def definition_folders(self, msg_paths: Sequence[Path]) -> tuple[Path, ...]:
         """Return the first folders to search for messages: --msg-path, then the package of the sketch."""
         package = package_around(self.folder.resolve())
