@@ -9,10 +9,10 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import PREFIX, Part
 from rostether.conformance.received_frame import (
     Announcement,
+    Deviation,
     Frame,
     is_announcement,
     read_announcement,

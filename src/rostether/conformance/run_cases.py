@@ -7,8 +7,8 @@ from collections.abc import AsyncIterator, Sequence
 from rostether.conformance.case import Case, CaseList, Outcome, Verdict
 from rostether.conformance.cases import announcements, exchanges, frames, session
 from rostether.conformance.checked_client import CheckedClient
-from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import PREFIX
+from rostether.conformance.received_frame import Deviation
 
 case = CaseList()
 

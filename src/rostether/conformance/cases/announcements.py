@@ -6,8 +6,7 @@ from collections import Counter
 
 from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
-from rostether.conformance.deviation import Deviation
-from rostether.conformance.received_frame import Announcement, is_time_request
+from rostether.conformance.received_frame import Announcement, Deviation, is_time_request
 from rostether.errors import DefinitionError
 from rostether.msgdef.registry import Registry
 from rostether.rosserial import topic_id as ids

@@ -6,7 +6,6 @@ import struct
 
 from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
-from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import (
     FLOAT_PARAMETER,
     INT_PARAMETER,
@@ -15,7 +14,7 @@ from rostether.conformance.program import (
     Command,
     Part,
 )
-from rostether.conformance.received_frame import text_payload
+from rostether.conformance.received_frame import Deviation, text_payload
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.packets import Log, LogLevel, ParameterResponse
 

@@ -10,9 +10,8 @@ import asyncio
 
 from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
-from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import Part
-from rostether.conformance.received_frame import text_payload
+from rostether.conformance.received_frame import Deviation, text_payload
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES, encode_frame
 
 # Ids that the protocol does not use.

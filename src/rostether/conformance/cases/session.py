@@ -6,9 +6,8 @@ import asyncio
 
 from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
-from rostether.conformance.deviation import Deviation
 from rostether.conformance.program import Part
-from rostether.conformance.received_frame import is_time_request, read_text, text_payload
+from rostether.conformance.received_frame import Deviation, is_time_request, read_text, text_payload
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
 from rostether.rosserial.packets import decode_time
