@@ -12,7 +12,6 @@ from rostether.errors import RecordingError
 from rostether.recording.compression import Buffer
 from rostether.recording.mcap.content import McapContent, footer_of
 from rostether.recording.mcap.data_check import DataCheck, record_name
-from rostether.recording.mcap.decoding import check_header, decode_chunk_index, decode_statistics, read_record
 from rostether.recording.mcap.records import (
     FOOTER_BYTES,
     MAGIC,
@@ -21,6 +20,10 @@ from rostether.recording.mcap.records import (
     ChunkIndex,
     Op,
     Statistics,
+    check_header,
+    decode_chunk_index,
+    decode_statistics,
+    read_record,
 )
 
 # A broken file can have one fault in each record; a longer report does not help.

@@ -19,16 +19,6 @@ from rostether.recording.compression import (
     check_unpacked_size,
     unpack_chunk,
 )
-from rostether.recording.mcap.decoding import (
-    check_header,
-    decode_channel,
-    decode_chunk,
-    decode_chunk_index,
-    decode_footer,
-    decode_schema,
-    decode_statistics,
-    read_record,
-)
 from rostether.recording.mcap.records import (
     CHUNK_HEAD,
     FOOTER_BYTES,
@@ -42,6 +32,14 @@ from rostether.recording.mcap.records import (
     Op,
     Schema,
     Statistics,
+    check_header,
+    decode_channel,
+    decode_chunk,
+    decode_chunk_index,
+    decode_footer,
+    decode_schema,
+    decode_statistics,
+    read_record,
 )
 
 # The limit for all schemas and channels, a few KB each: a compressed chunk could define gigabytes of them.

@@ -11,14 +11,17 @@ from msgspec import Struct, field
 from rostether.errors import RecordingError
 from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, check_unpacked_size, unpack_chunk
 from rostether.recording.mcap.content import McapContent
-from rostether.recording.mcap.decoding import (
+from rostether.recording.mcap.records import (
+    KINDS,
+    MESSAGE_HEAD,
+    Chunk,
+    Op,
     decode_channel,
     decode_chunk,
     decode_message_index,
     decode_schema,
     read_record,
 )
-from rostether.recording.mcap.records import KINDS, MESSAGE_HEAD, Chunk, Op
 from rostether.recording.time_order import TimeOrder
 
 

@@ -16,7 +16,7 @@ from rostether.recording.mcap.records import Channel, Schema
 from rostether.recording.recorded import Connection, RecordedMessage, Ros2Origin, Wanted, wanted_connections
 
 if TYPE_CHECKING:
-    from rostether.recording.ros2_reading import RecordedTopics
+    from rostether.recording.ros2_types import RecordedTopics
 
 _ENCODING = "ros1"
 
@@ -108,7 +108,7 @@ class McapReader(ChunkedReader[McapContent]):
 
     def _ros2_connection(self, schema: Schema, channel: Channel) -> Connection | None:
         if self._ros2 is None:
-            from rostether.recording.ros2_reading import RecordedTopics
+            from rostether.recording.ros2_types import RecordedTopics
 
             self._ros2 = RecordedTopics(is_native=self._is_native)
         origin = Ros2Origin(

@@ -19,7 +19,7 @@ from rostether.recording.recorded import (
     wanted_connections,
 )
 from rostether.recording.regular_file import SQLITE_MAGIC, require_regular_file
-from rostether.recording.ros2_reading import CDR, RecordedTopics
+from rostether.recording.ros2_types import CDR, RecordedTopics
 
 # The limit of topics and of definitions; recordings of the largest robots have a few thousand.
 MAX_TOPICS = 65536
