@@ -14,8 +14,7 @@ from rostether.graph.ports import Graph
 from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.tasks import cancel_all
 from rostether.recording.files import open_recording
-from rostether.recording.play_settings import PlaySettings
-from rostether.recording.player import Player
+from rostether.recording.player import Player, PlaySettings
 from rostether.recording.recorded import RecordingReader
 from rostether.rostime import NS_PER_S
 

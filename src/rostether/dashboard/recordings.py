@@ -19,7 +19,7 @@ from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.tasks import cancel_all
 from rostether.mechanisms.text import write_failure
 from rostether.recording.files import create_recording, dated_name
-from rostether.recording.play_settings import PlaySettings
+from rostether.recording.player import PlaySettings
 from rostether.recording.recorded import RecordingWriter
 from rostether.recording.recorder import Recorder
 from rostether.recording.recording_plan import RecordLimits, TopicChoice

@@ -7,15 +7,16 @@ together, in one batch per topic.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import islice
+
+from msgspec import Struct, field
 
 from rostether.errors import RecordingError
 from rostether.graph.ports import Graph, Publisher
 from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE, encode_clock
 from rostether.graph.static_transforms import StaticTransforms
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
-from rostether.recording.play_settings import PlaySettings
 from rostether.recording.recorded import Connection, RecordedMessage, RecordingReader, merged
 from rostether.rostime import NS_PER_S, Time
 
@@ -48,6 +49,40 @@ LONGEST_SLEEP_S = 0.05
 _TRANSFORMS_MD5SUM = "94810edda583a504dfda3829e70d7eec"
 
 
+class PlaySettings(Struct, frozen=True):
+    """How to play; `start_s`, `duration_s` and `skip_empty_s` are recorded time, other times are real time.
+
+    Without `duration_s`, the recording is played to its end; without `topics`, all topics are played. Gaps
+    longer than `skip_empty_s` are skipped. Playback begins `delay_s` after the topics are advertised, and
+    pauses at each message on `pause_topics`. With `rate_control_topic`, it waits whenever no message has
+    arrived there for `rate_control_max_delay_s`. `queue_messages` limits the queue of each subscriber; 0
+    means unlimited.
+    """
+
+    rate: float = 1.0
+    start_s: float = 0.0
+    duration_s: float | None = None
+    is_immediate: bool = False
+    is_looping: bool = False
+    starts_paused: bool = False
+    skip_empty_s: float | None = None
+    delay_s: float = 0.2
+    clock_hz: float | None = None
+    queue_messages: int | None = None
+    waits_for_subscribers: bool = False
+    pause_topics: frozenset[str] = frozenset()
+    rate_control_topic: str = ""
+    rate_control_max_delay_s: float = 1.0
+    topics: frozenset[str] = frozenset()
+    prefix: str = ""
+    remappings: Mapping[str, str] = field(default_factory=dict)
+
+    def topic_of(self, connection: Connection) -> str:
+        """Return the name under which a recorded topic is played."""
+        name = self.remappings.get(connection.topic, connection.topic)
+        return f"{self.prefix.rstrip('/')}/{name.lstrip('/')}" if self.prefix else name
+
+
 class Player:
     """One playback; `toggle_pause` and `step` may be called while `play` runs.
 
@@ -61,6 +96,9 @@ class Player:
         self._readers = readers
         self._settings = settings
         self._publishers: dict[str, Publisher] = {}
+        # The messages to send next, with their number and size.
+        self._waiting: dict[Publisher, list[bytes]] = {}
+        self._waiting_count = self._waiting_bytes = 0
         # A latched topic keeps the last message of this node, which played several recorded publishers.
         self._static_transforms: dict[str, StaticTransforms] = {}
         self._clock: Publisher | None = None
@@ -86,7 +124,8 @@ class Player:
 
     def toggle_pause(self) -> None:
         """Pause or resume."""
-        self._set_paused(not self.is_paused)
+        self._set_origin(self._now_ns())
+        self.is_paused = not self.is_paused
 
     def step(self) -> None:
         """Play one message, if paused."""
@@ -170,21 +209,20 @@ class Player:
                 transforms.merge(message.payload)
             if not number % BATCH_MESSAGES:
                 await asyncio.sleep(0)
-        waiting: dict[Publisher, list[bytes]] = {}
         for message in sorted(latest.values(), key=lambda each: each.time_ns):
-            self._queue(message, waiting)
-        await self._send(waiting)
+            self._queue(message)
+        await self._send()
 
-    def _queue(self, message: RecordedMessage, waiting: dict[Publisher, list[bytes]]) -> None:
+    def _queue(self, message: RecordedMessage) -> None:
         topic, payload = self._settings.topic_of(message.connection), message.payload
         if transforms := self._static_transforms.get(topic):
             payload = transforms.merge(payload)
-        waiting.setdefault(self._publishers[topic], []).append(payload)
+        self._waiting.setdefault(self._publishers[topic], []).append(payload)
+        self._waiting_count += 1
+        self._waiting_bytes += len(payload)
 
     async def _play_once(self) -> None:
         self._set_origin(self.start_ns)
-        waiting: dict[Publisher, list[bytes]] = {}
-        count = size_bytes = 0
         last_ns = self.start_ns
         for message in merged(self._readers, self._wants, start_ns=self.start_ns, end_ns=self.end_ns):
             gap_s = (message.time_ns - last_ns) / NS_PER_S
@@ -193,34 +231,27 @@ class Player:
             if skip is not None and gap_s > skip:
                 self._set_origin(message.time_ns)
             if not self._is_due(message.time_ns):
-                await self._send(waiting)
-                count = size_bytes = 0
+                await self._send()
                 await self._until(message.time_ns)
             self.time_ns = message.time_ns
             if message.connection.topic in self._settings.pause_topics and not self.is_paused:
-                self._set_paused(True)
-            self._queue(message, waiting)
-            count += 1
-            size_bytes += len(message.payload)
-            if count >= BATCH_MESSAGES or size_bytes >= BATCH_BYTES:
-                await self._send(waiting)
-                count = size_bytes = 0
+                self.toggle_pause()
+            self._queue(message)
+            if self._waiting_count >= BATCH_MESSAGES or self._waiting_bytes >= BATCH_BYTES:
+                await self._send()
                 await asyncio.sleep(0)
-        await self._send(waiting)
+        await self._send()
 
-    def _watch_control(self) -> None:
+    def _handle_control(self, payloads: Sequence[bytes]) -> None:
+        self._controlled_s = asyncio.get_running_loop().time()
+
+    def _is_due(self, time_ns: int) -> bool:
         if self._settings.rate_control_topic:
             silence_s = asyncio.get_running_loop().time() - self._controlled_s
             is_held = silence_s > self._settings.rate_control_max_delay_s
             if is_held != self._is_held:
                 self._set_origin(self._now_ns())
                 self._is_held = is_held
-
-    def _handle_control(self, payloads: Sequence[bytes]) -> None:
-        self._controlled_s = asyncio.get_running_loop().time()
-
-    def _is_due(self, time_ns: int) -> bool:
-        self._watch_control()
         if self.is_paused or self._is_held:
             return False
         return self._settings.is_immediate or self._now_ns() >= time_ns
@@ -239,13 +270,14 @@ class Player:
                 wait_s = min(wait_s, 1 / self._settings.clock_hz)
             await asyncio.sleep(max(wait_s, 0))
 
-    async def _send(self, waiting: dict[Publisher, list[bytes]]) -> None:
+    async def _send(self) -> None:
         self._tick_clock()
+        waiting, self._waiting = self._waiting, {}
+        self._waiting_count = self._waiting_bytes = 0
         for publisher, payloads in waiting.items():
             self.played_count += len(payloads)
             if not publisher.publish_raw(payloads):
                 await publisher.drained(DRAIN_S)
-        waiting.clear()
 
     def _now_ns(self) -> int:
         if self.is_paused or self._is_held:
@@ -256,10 +288,6 @@ class Player:
     def _set_origin(self, time_ns: int) -> None:
         self._origin_ns = time_ns
         self._origin_s = asyncio.get_running_loop().time()
-
-    def _set_paused(self, is_paused: bool) -> None:
-        self._set_origin(self._now_ns())
-        self.is_paused = is_paused
 
     def _tick_clock(self) -> None:
         if self._clock is None or self._settings.clock_hz is None:

@@ -13,7 +13,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
-from rostether.recording.play_settings import PlaySettings
+from rostether.recording.player import PlaySettings
 from rostether.serde.store import TypeStore
 
 TIMEOUT_S = 60.0

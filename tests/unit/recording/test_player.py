@@ -16,8 +16,7 @@ from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.writer import BagWriter
-from rostether.recording.play_settings import PlaySettings
-from rostether.recording.player import BATCH_BYTES, Player
+from rostether.recording.player import BATCH_BYTES, Player, PlaySettings
 from rostether.recording.recorded import Connection
 from rostether.rostime import NS_PER_S
 from rostether.serde.codec import Codec

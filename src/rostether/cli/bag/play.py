@@ -37,8 +37,7 @@ from rostether.mechanisms.text import counted, did_you_mean
 from rostether.rostime import NS_PER_S
 
 if TYPE_CHECKING:
-    from rostether.recording.play_settings import PlaySettings
-    from rostether.recording.player import Player
+    from rostether.recording.player import Player, PlaySettings
 
 # The time on the line seems to run continuously.
 _PROGRESS_PERIOD_S = 0.1
@@ -121,7 +120,7 @@ def bag_play(options: PlayOptions, files: tuple[str, ...], graph: GraphOptions) 
 
     With --clock, nodes use the recorded time if /use_sim_time is set to true before they start.
     """
-    from rostether.recording.play_settings import PlaySettings
+    from rostether.recording.player import PlaySettings
 
     environment, topics = read_environment(graph), options.topics
     plain = [*files, *options.bags]
