@@ -7,7 +7,7 @@ import struct
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import counted
 from rostether.recording.bag.chunks import BagChunk, messages_in
-from rostether.recording.bag.content import read_content
+from rostether.recording.bag.reader import read_content
 from rostether.recording.bag.records import Op, op_of, read_record, time_field, u32_field
 from rostether.recording.compression import Buffer, unpack_chunk
 from rostether.recording.time_order import TimeOrder

@@ -11,8 +11,7 @@ import pytest
 from mcap.writer import CompressionType, IndexType, Writer
 
 from rostether.recording.mcap.checking import MAX_FAULTS, faults_of
-from rostether.recording.mcap.records import read_record
-from rostether.recording.mcap.records import MAGIC, Op, encode_record
+from rostether.recording.mcap.records import MAGIC, Op, encode_record, read_record
 from rostether.recording.mcap.writer import McapWriter
 from unit.recording.bags import IMU, START_NS, connection, text, write_reset
 
