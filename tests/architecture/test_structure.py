@@ -19,7 +19,6 @@ REVIEWED_LONG_FILES = {
     "firmware/elf.py",
     "gateways/websocket/connection.py",
     "msgdef/registry.py",
-    "recording/mcap/content.py",
     "rospy/bag/bag.py",
     "rosserial/device_link.py",
     "rosserial/frame_scan.py",

@@ -90,11 +90,9 @@ def read_content(data: Buffer, damage: str = "") -> McapContent:
     if damage:
         return search(data, damage)
     try:
-        content = _by_summary(data)
+        return _by_summary(data)
     except RecordingError as error:
         return search(data, str(error))
-    content.chunks.sort(key=lambda chunk: chunk.start_ns)
-    return content
 
 
 def footer_of(data: Buffer) -> tuple[int, int, int]:
@@ -140,7 +138,7 @@ def _by_summary(data: Buffer) -> McapContent:
     unknown = statistics.counts.keys() - content.channels.keys()
     if unknown:
         raise RecordingError(f"its index does not list channel {min(unknown)}")
-    content.chunks = [_indexed(data, each) for each in indexes]
+    content.chunks = sorted((_indexed(data, each) for each in indexes), key=lambda chunk: chunk.start_ns)
     packed = (each.size_bytes for each in content.chunks if each.compression)
     check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
     content.counts = dict(statistics.counts)
@@ -155,8 +153,7 @@ def _indexed(data: Buffer, index: ChunkIndex) -> StoredChunk:
     op, start, end = read_record(data, index.position)
     if op != Op.CHUNK:
         raise RecordingError("there is no chunk at a position in its index")
-    numbers = frozenset(index.indexes) if index.indexes else None
-    return replace(decode_chunk(data, start, end), numbers=numbers)
+    return replace(decode_chunk(data, start, end), numbers=frozenset(index.indexes) or None)
 
 
 def search(data: Buffer, damage: str) -> McapContent:
@@ -166,29 +163,28 @@ def search(data: Buffer, damage: str) -> McapContent:
     """
     content = McapContent(damage=damage)
     check_unpacked_size(_define_channels(content, data), len(data))
-    loose = _LooseMessages(content, data)
     position = len(MAGIC)
     while position < len(data):
         before = position
         try:
             op, start, position = _known_record(data, before)
             if op == Op.MESSAGE:
-                loose.add(before, position)
-                continue
-            loose.flush()
-            if op == Op.DATA_END:
+                position = _end_of_messages(data, position, before + MAX_LOOSE_BYTES)
+                _add_found(content, data, _plain_chunk(before, position))
+            elif op == Op.CHUNK:
+                _add_found(content, data, decode_chunk(data, start, position))
+            elif op in (Op.SCHEMA, Op.CHANNEL):
+                content.define(op, data, start, position)
+            elif op == Op.HEADER:
+                check_header(data, start, position)
+            elif op == Op.DATA_END:
                 break
-            _add_record(content, data, op, start, position)
         except RecordingError as error:
             content.note(str(error))
             end = position if position > before else len(data)
             position = min(end, _next_chunk(data, before + 1))
             with contextlib.suppress(RecordingError):
                 _add_cut_chunk(content, data, before, position)
-    try:
-        loose.flush()
-    except RecordingError as error:
-        content.note(str(error))
     content.chunks.sort(key=lambda chunk: chunk.start_ns)
     return content
 
@@ -210,36 +206,19 @@ def _next_chunk(data: Buffer, position: int) -> int:
     return len(data)
 
 
-class _LooseMessages:
-    """The messages outside of chunks since the last other record."""
-
-    def __init__(self, content: McapContent, data: Buffer) -> None:
-        self._content = content
-        self._data = data
-        self._start = self._end = 0
-
-    def add(self, start: int, end: int) -> None:
-        if self._start == self._end:
-            self._start = start
-        elif end - self._start >= MAX_LOOSE_BYTES:
-            self.flush()
-            self._start = start
-        self._end = end
-
-    def flush(self) -> None:
-        start, end = self._start, self._end
-        self._start = self._end
-        if start < end:
-            _add_found(self._content, self._data, StoredChunk(start, end, "", end - start, 0, 0, None))
+def _end_of_messages(data: Buffer, position: int, limit: int) -> int:
+    """Return the end of the messages that follow each other from a position on, up to a limit."""
+    with contextlib.suppress(RecordingError):
+        while position < limit:
+            op, _, end = read_record(data, position)
+            if op != Op.MESSAGE:
+                break
+            position = end
+    return position
 
 
-def _add_record(content: McapContent, data: Buffer, op: int, start: int, end: int) -> None:
-    if op == Op.CHUNK:
-        _add_found(content, data, decode_chunk(data, start, end))
-    elif op in (Op.SCHEMA, Op.CHANNEL):
-        content.define(op, data, start, end)
-    elif op == Op.HEADER:
-        check_header(data, start, end)
+def _plain_chunk(start: int, end: int) -> StoredChunk:
+    return StoredChunk(start, end, "", end - start, 0, 0, None)
 
 
 def _define_channels(content: McapContent, data: Buffer) -> int:
@@ -276,7 +255,7 @@ def _add_cut_chunk(content: McapContent, data: Buffer, position: int, limit: int
         # The damage may begin in the last record that can be read, unless the file ends here.
         end = end if limit == len(data) else before
     if end > start:
-        _add_found(content, data, StoredChunk(start, end, "", end - start, 0, 0, None))
+        _add_found(content, data, _plain_chunk(start, end))
 
 
 def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
