@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rostether.errors import FirmwareError, SketchError
 from rostether.firmware.boards import Board
-from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware, UsedLibrary
+from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.diagnostics import explain
 from rostether.firmware.libraries import Library, choose, read_given
@@ -54,7 +54,7 @@ async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOpt
         board=board,
         elf=_find(output_folder, (".elf",)),
         image=_find(output_folder, _IMAGES),
-        libraries=tuple(UsedLibrary(each.name, each.folder, each.origin) for each in libraries),
+        libraries=tuple(libraries),
         output=output if options.warnings else "",
         duration_s=time.monotonic() - started_s,
         sources=(*sketch.inos, *sketch.sources),

@@ -44,24 +44,15 @@ class Assembled(Struct, frozen=True):
     folders: Sequence[Path]
 
 
-class Assembly:
+class Assembly(Struct, frozen=True):
     """Compiles and links one sketch for one board."""
 
-    def __init__(
-        self,
-        sketch: Sketch,
-        board: Board,
-        toolchain: AvrToolchain,
-        cache: BuildCache,
-        ros: RosLibrary,
-        compiler: Compiler,
-    ) -> None:
-        self._sketch = sketch
-        self._toolchain = toolchain
-        self._cache = cache
-        self._ros = ros
-        self._compiler = compiler
-        self._core = list(toolchain.core_folders(board))
+    sketch: Sketch
+    board: Board
+    toolchain: AvrToolchain
+    cache: BuildCache
+    ros: RosLibrary
+    compiler: Compiler
 
     async def assemble(self, given: Sequence[Path], *, warnings: bool) -> Assembled:
         """Compile and link. `given` are the user's libraries. Raises the errors of `build_sketch`."""
@@ -69,9 +60,9 @@ class Assembly:
         sketchbooks = sketchbook_folders(os.environ, Path(os.environ.get("HOME") or Path.home()))
         libraries = [library for each in given for library in read_given(each)]
         libraries += [library for each in sketchbooks for library in read_folder(each, Origin.SKETCHBOOK)]
-        libraries += read_folder(self._toolchain.libraries, Origin.CORE)
+        libraries += read_folder(self.toolchain.libraries, Origin.CORE)
         libraries += read_folder(SIMULATION_LIBRARIES, Origin.SIMULATION)
-        choice = LibraryChoice(libraries, self._ros)
+        choice = LibraryChoice(libraries, self.ros)
         try:
             async with asyncio.TaskGroup() as tasks:
                 # The core does not depend on the sketch, and is most of the work of a first build.
@@ -80,46 +71,51 @@ class Assembly:
         except BaseExceptionGroup as failures:
             raise first_error(failures) from None
         objects, (archive, core_objects) = sketch.result(), core.result()
-        elf, image = await self._compiler.link([each.object for each in objects], archive, self._sketch.name)
+        elf, image = await self.compiler.link([each.object for each in objects], archive, self.sketch.name)
         files = {file for each in [*objects, *core_objects] for file in each.files}
         return Assembled(
             elf=elf,
             image=image,
             libraries=choice.used,
             output="".join(each.output for each in objects),
-            files=frozenset((*files, *self._sketch.inos, *self._sketch.sources, elf, image)),
-            folders=[self._sketch.folder, *given, *sketchbooks, self._toolchain.libraries],
+            files=frozenset((*files, *self.sketch.inos, *self.sketch.sources, elf, image)),
+            folders=[self.sketch.folder, *given, *sketchbooks, self.toolchain.libraries],
         )
+
+    @property
+    def core(self) -> tuple[Path, Path]:
+        """The folders of the core's sources and of the board's pin table."""
+        return self.toolchain.core_folders(self.board)
 
     async def _build_core(self) -> tuple[Path, list[Compiled]]:
         sources = [
             each
-            for folder in self._core
+            for folder in self.core
             for each in sorted(folder.rglob("*"))
             if each.suffix in SOURCE_SUFFIXES
         ]
-        objects = await _all(self._compiler.compile(each, self._core) for each in sources)
-        return await self._compiler.archive([each.object for each in objects]), objects
+        objects = await _all(self.compiler.compile(each, self.core) for each in sources)
+        return await self.compiler.archive([each.object for each in objects]), objects
 
     async def _build_sketch(self, choice: LibraryChoice, warnings: str) -> list[Compiled]:
-        inos = [read_ino(each) for each in self._sketch.inos]
+        inos = [read_ino(each) for each in self.sketch.inos]
         main = [self._write_source(join(inos))] if inos else []
-        unit = Unit([*main, *self._sketch.sources], [*self._core, self._sketch.folder])
-        units = await resolve(self._compiler, unit, choice, self._core, self._sketch)
+        unit = Unit([*main, *self.sketch.sources], [*self.core, self.sketch.folder])
+        units = await resolve(self.compiler, unit, choice, self.core, self.sketch)
         sources = [each for each in unit.sources if each not in main]
         if inos:
-            preprocessed = await self._compiler.preprocess(main[0], unit.includes)
+            preprocessed = await self.compiler.preprocess(main[0], unit.includes)
             active = None if preprocessed is None else active_lines(preprocessed)
             sources.insert(0, self._write_source(add_prototypes(inos, active)))
-        compiling = [self._compiler.compile(each, unit.includes, warnings=warnings) for each in sources]
+        compiling = [self.compiler.compile(each, unit.includes, warnings=warnings) for each in sources]
         compiling += [
-            self._compiler.compile(each, library.includes) for library in units for each in library.sources
+            self.compiler.compile(each, library.includes) for library in units for each in library.sources
         ]
         return await _all(compiling)
 
     def _write_source(self, text: str) -> Path:
-        name = f"{self._sketch.name}.ino.cpp"
-        return self._cache.write_text("sources", digest("source", name, text), name, text)
+        name = f"{self.sketch.name}.ino.cpp"
+        return self.cache.write_text("sources", digest("source", name, text), name, text)
 
 
 async def _all(compiling: Iterable[Coroutine[Any, Any, Compiled]]) -> list[Compiled]:

@@ -14,9 +14,9 @@ from typing import Any
 
 from rostether.errors import FirmwareError, SketchError
 from rostether.firmware.boards import Board, other_platform_fqbn
-from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware, UsedLibrary
+from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 from rostether.firmware.cache import BuildCache, cache_folder, digest
-from rostether.firmware.libraries import SIMULATION_LIBRARIES, Origin
+from rostether.firmware.libraries import SIMULATION_LIBRARIES, Origin, UsedLibrary
 from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import Sketch, open_sketch
 from rostether.firmware.toolchain import AvrToolchain, find_avr_toolchain

@@ -8,7 +8,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from rostether.firmware.boards import Board
-from rostether.firmware.libraries import Origin
+from rostether.firmware.libraries import Origin, UsedLibrary
 from rostether.firmware.sketch import Sketch
 
 # Servo, the other library of simulated boards, also works on real ones.
@@ -29,14 +29,6 @@ class BuildOptions(Struct, frozen=True):
     warnings: bool = False
     uses_arduino_cli: bool = False
     show: Callable[[Sequence[str]], None] | None = None
-
-
-class UsedLibrary(Struct, frozen=True):
-    """A library that a sketch was built with."""
-
-    name: str
-    folder: Path
-    origin: Origin
 
 
 class BuiltFirmware(Struct, frozen=True):

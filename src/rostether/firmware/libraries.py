@@ -35,12 +35,17 @@ class Origin(StrEnum):
     SIMULATION = "simulation"
 
 
-class Library(Struct, frozen=True):
-    """A library. `is_recursive`: its sources are at any depth of its only include folder."""
+class UsedLibrary(Struct, frozen=True):
+    """A library that a sketch was built with."""
 
     name: str
     folder: Path
     origin: Origin
+
+
+class Library(UsedLibrary, frozen=True):
+    """An available library. `is_recursive`: its sources are at any depth of its only include folder."""
+
     include_folders: tuple[Path, ...]
     is_recursive: bool
     fits_architecture: bool
