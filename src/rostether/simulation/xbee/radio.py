@@ -13,16 +13,16 @@ from collections import deque
 
 from msgspec import Struct
 
-from rostether.simulation.xbee.command_mode import CommandMode
-from rostether.simulation.xbee.registers import BAUD_RATES, Model, Registers
-from rostether.simulation.xbee.remote_command import (
+from rostether.simulation.xbee.at_commands import (
     NOT_SENT,
     REQUEST_BYTES,
+    CommandMode,
     RemoteAnswer,
     RemoteCommand,
     build_response,
     parse_request,
 )
+from rostether.simulation.xbee.registers import BAUD_RATES, Model, Registers
 from rostether.transports.xbee.frame import XbeeFrameDecoder, encode_frame
 
 BROADCAST = 0xFFFF
