@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import bisect
 import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
@@ -56,7 +55,6 @@ class CallGraph:
             for each in self._functions
             if each.kind == FUNCTION and each.name != _PURE_VIRTUAL
         }
-        self._ranges = elf.code_ranges
         self._walks: dict[int, Walk] = {}
         self._calls: dict[int, dict[int, int]] = {}
 
@@ -129,9 +127,8 @@ class CallGraph:
 
     def _is_library_code(self, entry: int) -> bool:
         # The sketch's functions are inlined into main.
-        index = bisect.bisect_right(self._ranges, entry, key=lambda each: each.start) - 1
-        file = self._ranges[index].file if index >= 0 and entry < self._ranges[index].end else ""
-        return _LIBRARY_FILE.search(file) is not None and self.name(entry) != "main"
+        code = next(self._elf.code_ranges_in(entry, entry + 1), None)
+        return code is not None and bool(_LIBRARY_FILE.search(code.file)) and self.name(entry) != "main"
 
     @cached_property
     def _plain_targets(self) -> list[int]:

@@ -6,6 +6,7 @@ This is the only module that imports pyelftools.
 
 from __future__ import annotations
 
+import bisect
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -182,6 +183,15 @@ class ElfFile:
             for _, program in sorted(programs.items()):
                 ranges += _program_ranges(program, budget)
         return sorted(ranges, key=lambda each: each.start)
+
+    def code_ranges_in(self, start: int, stop: int) -> Iterator[CodeRange]:
+        """Yield the code ranges with at least one byte from `start` up to `stop`."""
+        first = bisect.bisect_right(self.code_ranges, start, key=lambda each: each.start) - 1
+        for each in self.code_ranges[max(first, 0) :]:
+            if each.start >= stop:
+                return
+            if each.end > start:
+                yield each
 
     @cached_property
     def variables(self) -> list[Variable]:

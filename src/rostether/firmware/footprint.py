@@ -6,7 +6,6 @@ its source file; a variable by its type, else by the file that declares it.
 
 from __future__ import annotations
 
-import bisect
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,7 +17,7 @@ from msgspec.structs import replace
 from rostether.firmware.boards import Board
 from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.demangle import demangle, shorten
-from rostether.firmware.elf import DATA, CodeRange, ElfFile, Section, Symbol, Variable
+from rostether.firmware.elf import DATA, ElfFile, Section, Symbol, Variable
 from rostether.firmware.libraries import Origin
 from rostether.firmware.origins import RUNTIME, START, TEXTS, Origins
 from rostether.firmware.stack import StackEstimate, estimate_stack
@@ -148,8 +147,6 @@ class _Count:
         self._elf = elf
         self._origins = origins
         self._readable = readable
-        self._ranges = elf.code_ranges
-        self._starts = [each.start for each in self._ranges]
         self._variables: dict[int, Variable] = {each.address: each for each in elf.variables}
         self._scopes = dict(self._scope_groups())
         self._groups: dict[str, list[int]] = {}
@@ -198,7 +195,7 @@ class _Count:
 
     def _group_of_code(self, start: int, name: str) -> str:
         """Return the group of a function: the group of its first line's file, regardless of inlined code."""
-        first = next(self._ranges_between(start, start + 1), None)
+        first = next(self._elf.code_ranges_in(start, start + 1), None)
         by_file = None if first is None else self._origins.of_file(first.file)
         runtime = START if _START_SYMBOLS.match(name) else RUNTIME
         return by_file or self._origins.of_name(name) or runtime
@@ -232,7 +229,7 @@ class _Count:
         """Return the number of bytes of each group in a range of code."""
         shares: Counter[str] = Counter()
         position = start
-        for each in self._ranges_between(start, stop):
+        for each in self._elf.code_ranges_in(start, stop):
             self._count_gap(shares, position, each.start, otherwise)
             group = self._origins.of_file(each.file) or otherwise or RUNTIME
             first, position = max(each.start, position), min(each.end, stop)
@@ -250,14 +247,6 @@ class _Count:
             each.name for each in self._elf.symbols if each.section == ".text" and each.address <= address
         ]
         return START if not before or _START_SYMBOLS.match(before[-1]) else RUNTIME
-
-    def _ranges_between(self, start: int, stop: int) -> Iterator[CodeRange]:
-        index = max(bisect.bisect_right(self._starts, start) - 1, 0)
-        for each in self._ranges[index:]:
-            if each.start >= stop:
-                return
-            if each.end > start:
-                yield each
 
     def _sized(self, section: Section) -> list[Symbol]:
         found = [each for each in self._elf.symbols if each.section == section.name and each.size]
