@@ -130,11 +130,9 @@ def create_recording(
             f"{path}: the name of a recording must end with .bag, .mcap or .db3; "
             "only a ROS 2 bag, a folder, has no suffix"
         )
-    from rostether.recording.ros2.bag_writer import Ros2Bag, Storage
+    from rostether.recording.ros2.bag_writer import Ros2Bag
 
-    bag = Ros2Bag(
-        path, Storage(storage), compression=compression, chunk_bytes=chunk_bytes, types=types, unfit=unfit
-    )
+    bag = Ros2Bag(path, storage, compression=compression, chunk_bytes=chunk_bytes, types=types, unfit=unfit)
     return bag.create(bag.path_of(0))
 
 

@@ -160,11 +160,11 @@ class NewFiles:
 
     def _ros2_bag(self) -> Ros2Bag:
         if self._bag is None:
-            from rostether.recording.ros2.bag_writer import Ros2Bag, Storage
+            from rostether.recording.ros2.bag_writer import Ros2Bag
 
             self._bag = Ros2Bag(
                 self._folder / self._stem,
-                Storage(self._packing.storage),
+                self._packing.storage,
                 compression=self._packing.compression,
                 chunk_bytes=self._packing.chunk_bytes,
                 types=self.types,

@@ -164,10 +164,8 @@ class DataCheck:
                 self._report(f"a message belongs to channel {number}, which is not defined")
         self.counts[number] += 1
         self.order.add(time_ns)
-        if self.span_ns is None:
-            self.span_ns = (time_ns, time_ns)
-        elif not self.span_ns[0] <= time_ns <= self.span_ns[1]:
-            self.span_ns = (min(self.span_ns[0], time_ns), max(self.span_ns[1], time_ns))
+        first_ns, last_ns = self.span_ns or (time_ns, time_ns)
+        self.span_ns = (min(first_ns, time_ns), max(last_ns, time_ns))
 
 
 def _records(plain: Buffer) -> Iterator[tuple[int, int, int, int]]:

@@ -59,10 +59,10 @@ class McapWriter(ChunkedWriter):
         if compression == BZ2:
             raise ConfigError("MCAP does not support bz2; use lz4, or no compression")
         self._numbers: dict[Connection, int] = {}
-        self._schemas: dict[tuple[str, str, bytes], int] = {}
-        self._schema_records: dict[int, bytes] = {}
-        # Schema and record of each channel.
-        self._channels: dict[int, tuple[int, bytes]] = {}
+        # The number and the record of each schema.
+        self._schemas: dict[tuple[str, str, bytes], tuple[int, bytes]] = {}
+        # The records of the schema and the channel of each connection.
+        self._channels: dict[int, tuple[bytes, bytes]] = {}
         # The records of schemas and channels that are in the file, and those that are in the open chunk.
         self._known: set[bytes] = set()
         self._written: set[bytes] = set()
@@ -90,15 +90,14 @@ class McapWriter(ChunkedWriter):
             if number > MAX_CHANNELS:
                 raise RecordingError(f"MCAP can have at most {MAX_CHANNELS} connections; record a .bag file")
             key = self.schema_of(connection)
-            schema = self._schemas.get(key)
-            if schema is None:
+            if key not in self._schemas:
                 schema = len(self._schemas) + 1
-                self._schemas[key] = schema
                 parts = (U16.pack(schema), *(encode_text(each) for each in key))
-                self._schema_records[schema] = encode_record(Op.SCHEMA, b"".join(parts))
+                self._schemas[key] = (schema, encode_record(Op.SCHEMA, b"".join(parts)))
+            schema, schema_record = self._schemas[key]
             encoding, metadata = self.channel_of(connection)
             head = U16_PAIR.pack(number, schema) + encode_text(connection.topic) + encode_text(encoding)
-            self._channels[number] = (schema, encode_record(Op.CHANNEL, head + encode_map(metadata)))
+            self._channels[number] = (schema_record, encode_record(Op.CHANNEL, head + encode_map(metadata)))
             self._numbers[connection] = number
         return number
 
@@ -144,8 +143,7 @@ class McapWriter(ChunkedWriter):
             self._counts[number] = self._counts.get(number, 0) + count
 
     def _pop_unwritten(self, number: int) -> Iterable[bytes]:
-        schema, channel = self._channels[number]
-        records = (self._schema_records[schema], channel)
+        records = self._channels[number]
         missing = [each for each in records if each not in self._known and each not in self._written]
         self._written.update(missing)
         return missing
@@ -167,7 +165,7 @@ class McapWriter(ChunkedWriter):
         data_end = encode_record(Op.DATA_END, U32.pack(self._data_crc))
         start = self._file.position + len(data_end)
         groups = (
-            (Op.SCHEMA, list(self._schema_records.values())),
+            (Op.SCHEMA, [record for _, record in self._schemas.values()]),
             (Op.CHANNEL, [record for _, record in self._channels.values()]),
             (Op.STATISTICS, [encode_statistics(self._statistics())]),
             (Op.CHUNK_INDEX, [encode_chunk_index(each) for each in self._indexes]),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 
 from rostether.errors import RecordingError
@@ -14,29 +13,20 @@ from rostether.recording.ros2.channels import UnfitMessages, distro_of
 from rostether.recording.ros2.metadata import FileFacts, describe, write_metadata
 from rostether.ros2.types.type_support import Ros2Types
 
-
-class Storage(StrEnum):
-    """The storage formats of a ROS 2 bag, by their names in rosbag2."""
-
-    MCAP = "mcap"
-    SQLITE3 = "sqlite3"
-
-    @property
-    def suffix(self) -> str:
-        """The suffix of its files."""
-        return ".mcap" if self is Storage.MCAP else ".db3"
+# The suffix of the files in each storage format of rosbag2.
+_SUFFIXES = {"mcap": ".mcap", "sqlite3": ".db3"}
 
 
 class Ros2Bag:
     """A bag being written, file after file; metadata.yaml lists the files that are closed.
 
-    Raises RecordingError if the folder is not empty or cannot be created.
+    `storage` is `mcap` or `sqlite3`. Raises RecordingError if the folder is not empty or cannot be created.
     """
 
     def __init__(
         self,
         folder: Path,
-        storage: Storage = Storage.MCAP,
+        storage: str = "mcap",
         *,
         compression: str = NONE,
         chunk_bytes: int = DEFAULT_CHUNK_BYTES,
@@ -59,11 +49,11 @@ class Ros2Bag:
 
     def path_of(self, number: int) -> Path:
         """Return the path of the file with a number, as rosbag2 names it."""
-        return self.folder / f"{self.folder.name}_{number}{self.storage.suffix}"
+        return self.folder / f"{self.folder.name}_{number}{_SUFFIXES[self.storage]}"
 
     def create(self, path: Path) -> RecordingWriter:
         """Start a file, which may be NAME.active until it is closed. Raises RecordingError, ConfigError."""
-        if self.storage is Storage.MCAP:
+        if self.storage == "mcap":
             from rostether.recording.ros2.mcap_writer import Ros2McapWriter
 
             return Ros2McapWriter(
@@ -82,4 +72,4 @@ class Ros2Bag:
         """Add a file to metadata.yaml, and remove entries of deleted files. Raises RecordingError."""
         self._files = [each for each in self._files if (self.folder / each.name).exists()]
         self._files.append(facts)
-        write_metadata(self.folder, describe(self._files, self.storage.value, distro_of(self._types)))
+        write_metadata(self.folder, describe(self._files, self.storage, distro_of(self._types)))
