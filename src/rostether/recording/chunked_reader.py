@@ -17,7 +17,7 @@ from rostether.recording.compression import (
     compression_shares,
     unpack_chunk,
 )
-from rostether.recording.recorded import Connection, RecordedMessage
+from rostether.recording.recorded import Connection, RecordedMessage, Wanted, wanted_connections
 from rostether.recording.regular_file import MappedFile
 
 # A text with this length gets no more reasons: every chunk may be damaged in a different way.
@@ -46,11 +46,20 @@ ContentT = TypeVar("ContentT", bound=ChunkedContent)
 class ChunkedReader(Generic[ContentT]):
     """The base of the bag and MCAP readers; see `recording.recorded.RecordingReader`.
 
-    `read` returns the content of the file. Raises RecordingError if the file cannot be read.
+    `read` returns the content of the file; `entries_of` reads an uncompressed chunk. Subclasses set
+    `_connections`. Raises RecordingError if the file cannot be read.
     """
 
-    def __init__(self, path: Path, read: Callable[[memoryview], ContentT]) -> None:
+    _connections: Mapping[int, Connection]
+
+    def __init__(
+        self,
+        path: Path,
+        read: Callable[[memoryview], ContentT],
+        entries_of: Callable[[Buffer], Iterator[Entry]],
+    ) -> None:
         self.path = path
+        self._entries_of = entries_of
         self._file = MappedFile(path)
         self.size_bytes = self._file.size_bytes
         try:
@@ -78,18 +87,18 @@ class ChunkedReader(Generic[ContentT]):
         """Close the file. Idempotent."""
         self._file.close()
 
-    def _messages(
-        self,
-        connections: Mapping[int, Connection],
-        entries_of: Callable[[Buffer], Iterator[Entry]],
-        start_ns: int | None,
-        end_ns: int | None,
+    def messages(
+        self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
-        """Yield the messages of connections by time; `entries_of` reads an uncompressed chunk."""
+        """Yield messages sorted by time, from start to end inclusive; equal times keep the order of the file.
+
+        Raises RecordingError at a broken chunk.
+        """
+        connections = wanted_connections(self._connections, wanted)
 
         def unpack(chunk: StoredChunk) -> Unpacked:
             plain = unpack_chunk(self._file.view, chunk)
-            return plain, lambda: (entry for entry in entries_of(plain) if entry[3] in connections)
+            return plain, lambda: (entry for entry in self._entries_of(plain) if entry[3] in connections)
 
         needed = [
             chunk

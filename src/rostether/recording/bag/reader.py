@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
@@ -26,7 +26,7 @@ from rostether.recording.bag.records import (
 from rostether.recording.bag.searching import search
 from rostether.recording.chunked_reader import ChunkedReader
 from rostether.recording.compression import MAX_CHUNK_BYTES, NONE, Buffer, check_unpacked_size
-from rostether.recording.recorded import Connection, RecordedMessage, Wanted, wanted_connections
+from rostether.recording.recorded import Connection
 
 
 class BagReader(ChunkedReader[BagContent]):
@@ -39,16 +39,17 @@ class BagReader(ChunkedReader[BagContent]):
     unreadable: Mapping[str, str] = MappingProxyType({})
 
     def __init__(self, path: Path, *, damage: str = "") -> None:
-        super().__init__(path, lambda view: read_content(view, damage))
+        super().__init__(path, lambda view: read_content(view, damage), messages_in)
+        self._connections = self._content.connections
         self._content.chunks.sort(key=lambda chunk: chunk.start_ns)
 
     @property
     def counts(self) -> Mapping[Connection, int]:
         """How many messages each connection has."""
-        counts: Counter[Connection] = Counter(dict.fromkeys(self._content.connections.values(), 0))
+        counts: Counter[Connection] = Counter(dict.fromkeys(self._connections.values(), 0))
         for chunk in self._content.chunks:
             for number, count in chunk.counts.items():
-                counts[self._content.connections[number]] += count
+                counts[self._connections[number]] += count
         return counts
 
     @property
@@ -56,16 +57,6 @@ class BagReader(ChunkedReader[BagContent]):
         """The times of the first and the last message; None in an empty bag."""
         chunks = self._content.chunks
         return (chunks[0].start_ns, max(chunk.end_ns for chunk in chunks)) if chunks else None
-
-    def messages(
-        self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
-    ) -> Iterator[RecordedMessage]:
-        """Yield messages sorted by time, from start to end inclusive; equal times keep the order of the file.
-
-        Raises RecordingError at a broken chunk.
-        """
-        connections = wanted_connections(self._content.connections, wanted)
-        return self._messages(connections, messages_in, start_ns, end_ns)
 
 
 def read_content(data: Buffer, damage: str = "") -> BagContent:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from rostether.recording.chunked_reader import ChunkedReader
 from rostether.recording.mcap.content import McapContent, messages_in, read_content
 from rostether.recording.mcap.records import Channel, Schema
-from rostether.recording.recorded import Connection, RecordedMessage, Ros2Origin, Wanted, wanted_connections
+from rostether.recording.recorded import Connection, RecordedMessage, Ros2Origin, Wanted
 
 if TYPE_CHECKING:
     from rostether.recording.ros2_types import RecordedTopics
@@ -38,7 +38,7 @@ class McapReader(ChunkedReader[McapContent]):
         unpack: Callable[[bytes], bytes] | None = None,
         damage: str = "",
     ) -> None:
-        super().__init__(path, lambda view: read_content(view, damage))
+        super().__init__(path, lambda view: read_content(view, damage), messages_in)
         self._unpack_message = unpack
         self._is_native = is_native
         self._ros2: RecordedTopics | None = None
@@ -75,8 +75,7 @@ class McapReader(ChunkedReader[McapContent]):
         self, wanted: Wanted | None = None, *, start_ns: int | None = None, end_ns: int | None = None
     ) -> Iterator[RecordedMessage]:
         """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
-        connections = wanted_connections(self._connections, wanted)
-        found = self._messages(connections, messages_in, start_ns, end_ns)
+        found = super().messages(wanted, start_ns=start_ns, end_ns=end_ns)
         return found if self._ros2 is None else self._converted(self._ros2, found)
 
     def _converted(
