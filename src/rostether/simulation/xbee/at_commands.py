@@ -37,20 +37,14 @@ class CommandMode:
     def __init__(self, registers: Registers) -> None:
         self.has_ended = False
         self._registers = registers
-        self._line = bytearray()
+        self._line = b""
 
     def receive(self, data: bytes) -> bytes:
         """Return the answers to the lines that the bytes complete, one for each command."""
-        answers = bytearray()
-        for byte in data:
-            if byte != ord("\r"):
-                self._line.append(byte)
-                del self._line[:-_MAX_LINE_BYTES]
-                continue
-            line, self._line = self._line.decode("latin-1").strip().upper(), bytearray()
-            for answer in self._answers(line):
-                answers += answer.encode("ascii") + b"\r"
-        return bytes(answers)
+        *lines, rest = (self._line + data).split(b"\r")
+        self._line = rest[-_MAX_LINE_BYTES:]
+        texts = (line[-_MAX_LINE_BYTES:].decode("latin-1").strip().upper() for line in lines)
+        return b"".join(f"{answer}\r".encode() for text in texts for answer in self._answers(text))
 
     def _answers(self, line: str) -> Iterator[str]:
         if not line.startswith("AT"):
