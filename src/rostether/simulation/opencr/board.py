@@ -56,10 +56,10 @@ class Tone(NamedTuple):
 class OpenCrBoard(BlockClosable):
     """One board on a robot. It ends with `close`, and with this process.
 
-    `address`: the link address of its USB port for `serve`. `base`: the robot. `pins`: the levels of its
-    outputs by number. `tones`: the last tones, oldest first. `on_event` gets the tones, and the events that
-    `watched` adds: numbers of outputs, and BLUETOOTH for the lines that the sketch prints to SerialBT2.
-    `exit_message`: the last line of the program's error output, after its end.
+    `address`: the link address of its USB port for `serve`. `base`: the robot. `inputs`: the levels of driven
+    inputs by number; `pins`: those of outputs. `tones`: the last tones, oldest first. `on_event` gets the
+    tones, and the events that `watched` adds: numbers of outputs, and BLUETOOTH for the lines that the sketch
+    prints to SerialBT2. `exit_message`: the last line of the program's error output, after its end.
     """
 
     def __init__(
@@ -72,6 +72,7 @@ class OpenCrBoard(BlockClosable):
     ) -> None:
         self.address = terminal
         self.base = base
+        self.inputs: dict[int, bool] = {}
         self.pins: dict[int, bool] = {}
         self.tones: deque[Tone] = deque(maxlen=_MAX_TONES)
         self.watched: set[int | str] = set()
@@ -150,7 +151,9 @@ class OpenCrBoard(BlockClosable):
 
     def set_pin(self, name: str, *, high: bool) -> None:
         """Drive an input. Raises ConfigError for an unknown pin."""
-        self._send_to_sketch(f"pin {pin_number(name)} {int(high)}\n")
+        number = pin_number(name)
+        self.inputs[number] = high
+        self._send_to_sketch(f"pin {number} {high:d}\n")
 
     def set_voltage(self, name: str, volts: float) -> None:
         """Apply 0 to 3.3 V to an analog input. Raises ConfigError for an unknown pin or another voltage."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import AsyncIterator, Callable
 
 from rostether.errors import BoardError, ConfigError
@@ -140,7 +141,6 @@ class OpenCrNodeBoard:
 
     def __init__(self, board: OpenCrBoard) -> None:
         self._board = board
-        self._inputs = dict.fromkeys(_INPUTS, 0)
 
     @property
     def has_ended(self) -> bool:
@@ -149,23 +149,16 @@ class OpenCrNodeBoard:
 
     async def pins(self) -> dict[str, str]:
         """Return the state of each pin by name, such as `in0` and `out1`."""
-        outputs = {pin_name(number).removeprefix("BDPIN_"): high for number, high in self._board.pins.items()}
-        shown = _OUTPUTS | outputs
-        inputs = {name: f"in{level}" for name, level in self._inputs.items() if name not in shown}
-        return inputs | {name: f"out{high:d}" for name, high in shown.items()}
+        inputs = dict.fromkeys(_INPUTS, False) | _by_short_name(self._board.inputs)
+        outputs = _OUTPUTS | _by_short_name(self._board.pins)
+        shown = {name: f"in{high:d}" for name, high in inputs.items() if name not in outputs}
+        return shown | {name: f"out{high:d}" for name, high in outputs.items()}
 
     async def send_command(self, line: str) -> None:
         """Execute a command; `pin NAME=z` releases a button. Raises BoardError."""
-        word, _, rest = line.strip().partition(" ")
         try:
-            if word != "pin":
-                execute(self._board, line)
-                return
-            for part in rest.split():
-                name, _, level = part.partition("=")
-                level = "0" if level == "z" else level
-                execute(self._board, f"pin {name}={level}")
-                self._inputs[pin_name(pin_number(name)).removeprefix("BDPIN_")] = int(level)
+            # A button that is not pressed has the level 0.
+            execute(self._board, re.sub(r"=z\b", "=0", line))
         except ConfigError as error:
             raise BoardError(str(error)) from error
 
@@ -183,3 +176,7 @@ class OpenCrNodeBoard:
         nothing: tuple[BoardEvent, ...] = ()
         for event in nothing:
             yield event
+
+
+def _by_short_name(levels: dict[int, bool]) -> dict[str, bool]:
+    return {pin_name(number).removeprefix("BDPIN_"): high for number, high in levels.items()}
