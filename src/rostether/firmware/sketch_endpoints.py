@@ -86,7 +86,8 @@ def find_endpoints(
     """Return a sketch's topics and services; those whose type cannot be determined are omitted."""
     variables = elf.variables
     trees = TypeTrees(registry)
-    finder = _Finder(elf, readable, variables, "".join(_read(sources)))
+    texts = (each.read_text(encoding="utf-8", errors="replace") for each in sources)
+    finder = _Finder(elf, readable, variables, "".join(texts))
     found = []
     for variable in variables:
         # Compilers since version 7 add the arguments of the template.
@@ -170,8 +171,3 @@ def _endpoint(role: str, name: str, topic: str, types: Sequence[str], trees: Typ
         is_fixed=counted.fixed_size_bytes is not None,
         incoming_bytes=None if incoming is None else size_bytes,
     )
-
-
-def _read(sources: Sequence[Path]) -> Iterator[str]:
-    for each in sources:
-        yield each.read_text(encoding="utf-8", errors="replace")
