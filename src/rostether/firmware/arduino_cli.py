@@ -11,7 +11,7 @@ from rostether.firmware.boards import Board
 from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 from rostether.firmware.cache import BuildCache, cache_folder, digest
 from rostether.firmware.diagnostics import explain
-from rostether.firmware.libraries import Library, choose, read_given
+from rostether.firmware.libraries import choose, read_given
 from rostether.firmware.ros_library import RosLibrary
 from rostether.firmware.sketch import Sketch, included_headers
 from rostether.firmware.toolchain import find_arduino_cli
@@ -29,9 +29,11 @@ async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOpt
     started_s = time.monotonic()
     program = find_arduino_cli(f"building for {board.title}")
     cache = BuildCache(cache_folder())
-    given = [library for each in options.libraries for library in read_given(each)]
-    ros = _ros_library(sketch, given, RosLibrary(cache, sketch.definition_folders(options.msg_paths)))
-    libraries = [*given, *([ros] if ros is not None else [])]
+    libraries = [library for each in options.libraries for library in read_given(each)]
+    ros = RosLibrary(cache, sketch.definition_folders(options.msg_paths))
+    headers = included_headers(sketch.files((".h",)))
+    if [each for each in headers if choose(each, libraries) is None and ros.add_header(each)]:
+        libraries.append(ros.write())
     key = digest(sketch.folder, sketch.name, board.fqbn, options.defines)
     output_folder = cache.folder / "arduino-cli" / key[:2] / key[2:]
     command = [program, "compile", "--fqbn", board.fqbn, "--output-dir", str(output_folder)]
@@ -59,12 +61,6 @@ async def build_with_arduino_cli(sketch: Sketch, board: Board, options: BuildOpt
         duration_s=time.monotonic() - started_s,
         sources=(*sketch.inos, *sketch.sources),
     )
-
-
-def _ros_library(sketch: Sketch, given: list[Library], ros: RosLibrary) -> Library | None:
-    headers = included_headers(sketch.files((".h",)))
-    wanted = [each for each in headers if choose(each, given) is None and ros.add_header(each)]
-    return ros.write() if wanted else None
 
 
 def _sketch_folder(sketch: Sketch, cache: BuildCache) -> Path:

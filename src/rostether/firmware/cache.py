@@ -202,12 +202,9 @@ def listing(folder: Path) -> str:
             names = sorted(
                 entry.name
                 for entry in entries
-                if not entry.name.startswith(".") and (_is_source(entry.name) or entry.is_dir())
+                if not entry.name.startswith(".")
+                and (entry.name.rpartition(".")[2] in _SOURCE_SUFFIXES or entry.is_dir())
             )
     except OSError:
         return ""
     return digest(names)
-
-
-def _is_source(name: str) -> bool:
-    return name.rpartition(".")[2] in _SOURCE_SUFFIXES

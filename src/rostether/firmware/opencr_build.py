@@ -34,6 +34,8 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
     `msg_paths` are folders with message definitions. Raises FirmwareError when there is no such sketch or no
     compiler, SketchError when it does not compile.
     """
+    from rostether.codegen.library_source import client_library
+
     compiler = shutil.which(_COMPILER)
     if not sys.platform.startswith("linux"):
         raise FirmwareError("the simulated OpenCR runs on Linux only; use the real board here")
@@ -49,7 +51,7 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
     for header in included_headers(files):
         ros.add_header(header)
     library = ros.write()
-    core = _core()
+    core = client_library() / "extras" / "opencr_on_linux"
     key = digest(
         *(FLAGS, compiler, str(library.folder)),
         *map(str, files),
@@ -72,9 +74,3 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
                 diagnostics=ended.output.decode(errors="replace"),
             )
     return cache.path(_KIND, key, _PROGRAM)
-
-
-def _core() -> Path:
-    from rostether.codegen.library_source import client_library
-
-    return client_library() / "extras" / "opencr_on_linux"
