@@ -78,7 +78,7 @@ class ConformanceProgram:
         self._pong = device.publisher(f"{PREFIX}pong", "std_msgs/Time")
         device.subscriber(f"{PREFIX}text_in", "std_msgs/String", self._text.publish)
         device.subscriber(f"{PREFIX}real_in", "std_msgs/Float64", self._real.publish)
-        device.subscriber(f"{PREFIX}ping", "std_msgs/Empty", self._send_time)
+        device.subscriber(f"{PREFIX}ping", "std_msgs/Empty", lambda _: self._pong.publish(data=device.now()))
         device.subscriber(f"{PREFIX}command", "std_msgs/UInt8", self._run_command)
         device.service_server(
             f"{PREFIX}switch",
@@ -86,9 +86,6 @@ class ConformanceProgram:
             lambda request: {"success": request.data, "message": "on" if request.data else "off"},
         )
         self._trigger = device.service_client(f"{PREFIX}trigger", "std_srvs/Trigger")
-
-    def _send_time(self, _message: Message) -> None:
-        self._pong.publish(data=self._device.now())
 
     def _run_command(self, message: Message) -> None:
         match message.data:

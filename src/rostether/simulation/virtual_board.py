@@ -104,7 +104,9 @@ class VirtualBoard:
         sensor.transform.rotation.w = 1.0
         device.subscriber("toggle_led", "std_msgs/Empty", lambda _message: self._set_led(not self.led))
         device.service_server("set_led", "std_srvs/SetBool", self._serve_set_led)
-        device.service_server("test_srv", "rosserial_arduino/Test", self._serve_test)
+        device.service_server(
+            "test_srv", "rosserial_arduino/Test", lambda request: {"output": f"hello, {request.input}"}
+        )
         self._blink = _Periodic(self._blink_once, float("inf"), float("inf"))
         self._tasks = [
             self._every(RANGE_HZ, self._publish_range),
@@ -174,9 +176,6 @@ class VirtualBoard:
             "success": True,
             "message": f"LED {'on' if self.led else 'off'}{'' if changed else ' already'}",
         }
-
-    def _serve_test(self, request: Message) -> dict[str, Any]:
-        return {"output": f"hello, {request.input}"}
 
     def _publish_led(self, _now_s: float) -> None:
         self._led.publish(data=self.led)

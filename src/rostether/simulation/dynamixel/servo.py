@@ -113,7 +113,9 @@ class Servo:
             changes.append((register, value))
             position += register.size
         for register, value in changes:
-            self._apply(register, value)
+            self._set(register, value)
+            if register.name in ("torque_enable", "operating_mode"):
+                self._set(BY_NAME["goal_velocity"], 0)
         return ServoError.NONE if changes else ServoError.DATA_LENGTH
 
     def _handle(self, instruction: int, parameters: bytes, now_s: float) -> tuple[int, bytes]:
@@ -125,7 +127,8 @@ class Servo:
             case Instruction.WRITE if len(parameters) > 2:
                 return self.write(_word(parameters, 0), parameters[2:]), b""
             case Instruction.REG_WRITE if len(parameters) > 2:
-                self._register(parameters)
+                self._registered = parameters
+                self._set(BY_NAME["registered_instruction"], 1)
             case Instruction.ACTION:
                 return self._write_registered(), b""
             case Instruction.REBOOT:
@@ -135,10 +138,6 @@ class Servo:
             case _:
                 return ServoError.INSTRUCTION, b""
         return ServoError.NONE, b""
-
-    def _register(self, parameters: bytes) -> None:
-        self._registered = parameters
-        self._set(BY_NAME["registered_instruction"], 1)
 
     def _write_registered(self) -> int:
         if self._registered is None:
@@ -161,11 +160,6 @@ class Servo:
         if register.name == "torque_enable" and value and self["hardware_error_status"] & self["shutdown"]:
             return ServoError.RESULT_FAIL
         return ServoError.NONE
-
-    def _apply(self, register: Register, value: int) -> None:
-        self._set(register, value)
-        if register.name in ("torque_enable", "operating_mode"):
-            self._set(BY_NAME["goal_velocity"], 0)
 
     def _move(self, now_s: float) -> None:
         is_driven = self["torque_enable"] and self["operating_mode"] == VELOCITY_MODE

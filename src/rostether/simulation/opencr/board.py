@@ -233,7 +233,10 @@ class OpenCrBoard(BlockClosable):
         for line in lines:
             match line.split():
                 case [b"pin", number, level]:
-                    self._change_pin(int(number), is_high=level != b"0")
+                    pin, is_high = int(number), level != b"0"
+                    self.pins[pin] = is_high
+                    if pin in self.watched:
+                        self._report("pin", pin=pin_name(pin), level=int(is_high))
                 case [b"tone", hertz, length_ms]:
                     tone = Tone(int(hertz), int(length_ms))
                     self.tones.append(tone)
@@ -244,11 +247,6 @@ class OpenCrBoard(BlockClosable):
         if BLUETOOTH in self.watched:
             for line in lines:
                 self._report(BLUETOOTH, text=line.decode(errors="replace").rstrip("\r"))
-
-    def _change_pin(self, number: int, *, is_high: bool) -> None:
-        self.pins[number] = is_high
-        if number in self.watched:
-            self._report("pin", pin=pin_name(number), level=int(is_high))
 
     def _report(self, name: str, **values: object) -> None:
         if self.on_event is not None:
