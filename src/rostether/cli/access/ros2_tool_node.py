@@ -196,22 +196,17 @@ async def warn_without_router(*, is_error: bool = False) -> None:
         warn(advice)
 
 
-def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -> T:
-    """Run a command that asks the graph one question; return the answer.
+async def asked(options: GraphOptions, question: Callable[[ToolNode], Awaitable[T]]) -> T:
+    """Ask the graph one question, and return the answer.
 
     Raises the errors of `tool_node` and of the question.
     """
-    from rostether.cli.shell.running import run
-
-    async def ask() -> T:
-        # Without a router, a list would be empty, as if no nodes were running.
-        async with tool_node(options, needs_router=True) as tool:
-            answer = await question(tool)
-            if not tool.is_linked():
-                raise GraphError(
-                    "no zenoh router answers at the configured endpoints, so nodes cannot be found; "
-                    "`rostether doctor --ros2 zenoh` shows the reason"
-                )
-            return answer
-
-    return run(ask())
+    # Without a router, a list would be empty, as if no nodes were running.
+    async with tool_node(options, needs_router=True) as tool:
+        answer = await question(tool)
+        if not tool.is_linked():
+            raise GraphError(
+                "no zenoh router answers at the configured endpoints, so nodes cannot be found; "
+                "`rostether doctor --ros2 zenoh` shows the reason"
+            )
+        return answer

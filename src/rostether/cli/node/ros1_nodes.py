@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 import click
@@ -14,7 +15,6 @@ from rostether.cli.access.ros1_access import master_client, read_environment, re
 from rostether.cli.shell.failures import EXIT_FAILED, print_error
 from rostether.cli.shell.output import warn, write_json, write_line
 from rostether.cli.shell.own_command import called_as
-from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, UnknownNameError
 from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_TYPE
@@ -41,12 +41,12 @@ class Ros1Nodes:
     def __init__(self, graph: GraphOptions) -> None:
         self._environment = read_environment(graph)
 
-    def list_nodes(
+    async def list_nodes(
         self, namespace: str, *, uris_only: bool, with_uris: bool, count_nodes: bool, as_json: bool
     ) -> None:
         """Print the nodes."""
         needs_uris = not count_nodes and (uris_only or with_uris or as_json)
-        listed = run(_list(self._environment, namespace, with_uris=needs_uris))
+        listed = await _list(self._environment, namespace, with_uris=needs_uris)
         if count_nodes:
             write_line(str(len(listed)))
             return
@@ -58,15 +58,42 @@ class Ros1Nodes:
             else:
                 write_line(escape_line(uri or "unknown address" if uris_only else name))
 
-    def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
+    async def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to and serve, and their connections."""
         refuse_ros2_only(with_hidden=with_hidden)
-        run(_info(self._environment, names, quiet=quiet, as_json=as_json))
+        is_missing = False
+        show: Callable[[str], None] = (lambda _: None) if as_json else write_line
+        async with master_client(self._environment) as client:
+            for each in names:
+                name = resolve(each, self._environment)
+                try:
+                    uri = await find_node(client, name)
+                except UnknownNameError as error:
+                    print_error(str(error))
+                    is_missing = True
+                    continue
+                registered = await registrations(client, name)
+                show(_format_registrations(name, registered))
+                pid: int | None = None
+                connected: Sequence[NodeConnection] = ()
+                if not quiet:
+                    show(f"\ncontacting node {uri} ...")
+                    async with node_client(name, uri) as peer:
+                        pid, connected = await ask(peer, "getPid"), await connections(client, peer)
+                    show(_format_connections(pid, connected))
+                if as_json:
+                    write_json(_to_record(name, uri, registered, pid, connected))
+        # Scripts for rosnode may rely on its exit code: 0 for unknown nodes too.
+        if is_missing and called_as() != "rosnode":
+            raise click.exceptions.Exit(EXIT_FAILED)
 
 
-def machine(environment: RosEnvironment, name: str | None) -> None:
+async def machine(environment: RosEnvironment, name: str | None) -> None:
     """Print the machines that nodes run on, or the nodes on one."""
-    hosts = run(_hosts(environment))
+    hosts = {}
+    for node, uri in await _list(environment, with_uris=True):
+        with suppress(ConfigError):
+            hosts[node] = parse_rpc_uri(uri).host
     if name is None:
         for host in sorted(set(hosts.values())):
             write_line(host)
@@ -96,44 +123,6 @@ async def _list(
                     # The node has just unregistered.
                     listed.append((name, ""))
     return listed
-
-
-async def _info(environment: RosEnvironment, names: tuple[str, ...], *, quiet: bool, as_json: bool) -> None:
-    is_missing = False
-    show: Callable[[str], None] = (lambda _: None) if as_json else write_line
-    async with master_client(environment) as client:
-        for each in names:
-            name = resolve(each, environment)
-            try:
-                uri = await find_node(client, name)
-            except UnknownNameError as error:
-                print_error(str(error))
-                is_missing = True
-                continue
-            registered = await registrations(client, name)
-            show(_format_registrations(name, registered))
-            pid: int | None = None
-            connected: Sequence[NodeConnection] = ()
-            if not quiet:
-                show(f"\ncontacting node {uri} ...")
-                async with node_client(name, uri) as peer:
-                    pid, connected = await ask(peer, "getPid"), await connections(client, peer)
-                show(_format_connections(pid, connected))
-            if as_json:
-                write_json(_to_record(name, uri, registered, pid, connected))
-    # Scripts for rosnode may rely on its exit code: 0 for unknown nodes too.
-    if is_missing and called_as() != "rosnode":
-        raise click.exceptions.Exit(EXIT_FAILED)
-
-
-async def _hosts(environment: RosEnvironment) -> dict[str, str]:
-    hosts = {}
-    for name, uri in await _list(environment, with_uris=True):
-        try:
-            hosts[name] = parse_rpc_uri(uri).host
-        except ConfigError:
-            continue
-    return hosts
 
 
 def _format_registrations(name: str, registered: NodeRegistrations) -> str:

@@ -32,12 +32,12 @@ class Ros2Nodes:
         refuse_ros1_only(master=graph.master)
         self._graph = graph
 
-    def list_nodes(
+    async def list_nodes(
         self, namespace: str, *, uris_only: bool, with_uris: bool, count_nodes: bool, as_json: bool
     ) -> None:
         """Print the nodes."""
         refuse_ros1_only(uris_only=uris_only)
-        view = asked(self._graph, lambda tool: tool.settled_snapshot())
+        view = await asked(self._graph, lambda tool: tool.settled_snapshot())
         within = full_node_name(namespace.rstrip("/"))
         names = [
             name
@@ -50,7 +50,7 @@ class Ros2Nodes:
         for name in names:
             write_result({"node": name}, escape_line(name), as_json=as_json)
 
-    def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
+    async def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
         """Print what nodes publish, subscribe to, serve and call. Raises UnknownNameError."""
         refuse_ros1_only(quiet=quiet)
         full_names = [full_node_name(name) for name in names]
@@ -59,7 +59,7 @@ class Ros2Nodes:
             await tool.snapshot_when(lambda seen: set(full_names) <= set(seen.nodes))
             return await tool.settled_snapshot()
 
-        view = asked(self._graph, ask)
+        view = await asked(self._graph, ask)
         for name in full_names:
             if name not in view.nodes:
                 raise unknown_node(name, view.nodes)

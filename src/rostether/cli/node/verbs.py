@@ -38,11 +38,11 @@ def nodes_of(graph: GraphOptions) -> Ros1Nodes | Ros2Nodes:
 @add_flag("-c --count-nodes", "Print only the number.")
 @json_option
 @graph_options()
-def list_nodes(
+async def list_nodes(
     namespace: str, uris_only: bool, with_uris: bool, count_nodes: bool, as_json: bool, graph: GraphOptions
 ) -> None:
     """List all running nodes, or those in a namespace."""
-    nodes_of(graph).list_nodes(
+    await nodes_of(graph).list_nodes(
         namespace, uris_only=uris_only, with_uris=with_uris, count_nodes=count_nodes, as_json=as_json
     )
 
@@ -53,20 +53,22 @@ def list_nodes(
 @add_flag("--include-hidden with_hidden", "With --ros2, include hidden names (_name).")
 @json_option
 @graph_options()
-def info(nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, graph: GraphOptions) -> None:
+async def info(
+    nodes: tuple[str, ...], quiet: bool, with_hidden: bool, as_json: bool, graph: GraphOptions
+) -> None:
     """Show what a node publishes, subscribes to and serves, and its connections."""
-    nodes_of(graph).info(nodes, quiet=quiet, with_hidden=with_hidden, as_json=as_json)
+    await nodes_of(graph).info(nodes, quiet=quiet, with_hidden=with_hidden, as_json=as_json)
 
 
 @verb("machine", "rostether node machine\nrostether node machine robot.local")
 @click.argument("name", required=False, metavar="[MACHINE]")
 @graph_options()
-def list_machines(name: str | None, graph: GraphOptions) -> None:
+async def list_machines(name: str | None, graph: GraphOptions) -> None:
     """List the machines that nodes run on, or the nodes on one of them."""
     environment = _ros1(graph, "node machine", "ROS 2 does not report where a node runs")
     from rostether.cli.node.ros1_nodes import machine
 
-    machine(environment, name)
+    await machine(environment, name)
 
 
 @verb(
@@ -82,7 +84,9 @@ def list_machines(name: str | None, graph: GraphOptions) -> None:
 @add_option("-n -c --count COUNT", "Stop after COUNT pings.", type=COUNT)
 @json_option
 @graph_options()
-def ping_nodes(name: str | None, of_all: bool, count: int | None, as_json: bool, graph: GraphOptions) -> None:
+async def ping_nodes(
+    name: str | None, of_all: bool, count: int | None, as_json: bool, graph: GraphOptions
+) -> None:
     """Ping a node once a second until Ctrl-C; the exit code is 1 if it does not answer."""
     environment = _ros1(
         graph, "node ping", "ROS 2 nodes have no address; `rostether node info` shows whether the node exists"
@@ -94,14 +98,12 @@ def ping_nodes(name: str | None, of_all: bool, count: int | None, as_json: bool,
             "give a node; `rostether node list` shows the running nodes; --all pings them all"
         )
     from rostether.cli.node.ros1_ping import ping, ping_all
-    from rostether.cli.shell.running import run
 
-    pinging = (
-        ping_all(environment, as_json=as_json)
-        if name is None
-        else ping(environment, name, count, as_json=as_json)
-    )
-    if not run(pinging):
+    if name is None:
+        has_answered = await ping_all(environment, as_json=as_json)
+    else:
+        has_answered = await ping(environment, name, count, as_json=as_json)
+    if not has_answered:
         raise click.exceptions.Exit(EXIT_FAILED)
 
 

@@ -19,6 +19,7 @@ from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.node.ros2_nodes import full_node_name
 from rostether.cli.param.options import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import is_hidden
@@ -62,7 +63,7 @@ def _asked_of(graph: GraphOptions, node: str, question: Callable[[ParameterClien
         await _find_node(tool, node)
         return await question(ParameterClient(tool.graph.raw))
 
-    return asked(graph, ask)
+    return run(asked(graph, ask))
 
 
 def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str, str]:
@@ -75,7 +76,7 @@ def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str
         above = [node for node in _nodes_with_parameters(view) if full_name.startswith(f"{node}/")]
         return max(above, key=len, default="")
 
-    node = owner(asked(graph, lambda tool: tool.snapshot_when(lambda view: bool(owner(view)))))
+    node = owner(run(asked(graph, lambda tool: tool.snapshot_when(lambda view: bool(owner(view))))))
     if not node:
         raise UnknownNameError(f"no node has a parameter {full_name}; give NODE NAME, e.g. /board gain")
     return node, ".".join(name_parts(full_name[len(node) :]))
@@ -117,7 +118,7 @@ class Ros2Params:
                 found[each] = {name: types.get(name, "") for name in names}
             return found
 
-        for owner, names in asked(self._graph, ask).items():
+        for owner, names in run(asked(self._graph, ask)).items():
             if wanted.as_json:
                 for name, kind in names.items():
                     write_json({"node": owner, "name": name, **({"type": kind} if wanted.with_types else {})})

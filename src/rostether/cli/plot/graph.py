@@ -66,7 +66,7 @@ def show_graph(
         kind = picture_format(file)
     if graph.ros2 is not None:
         refuse_ros1_only(master=graph.master)
-        snapshot = _ask_ros2(graph)
+        snapshot = run(_ask_ros2(graph))
     else:
         snapshot = run(_ask_ros1(graph))
     shown = choose(snapshot, names, with_hidden=with_hidden)
@@ -99,8 +99,8 @@ async def _ask_ros1(graph: GraphOptions) -> Snapshot:
         return await take_snapshot(client)
 
 
-def _ask_ros2(graph: GraphOptions) -> Snapshot:
+async def _ask_ros2(graph: GraphOptions) -> Snapshot:
     from rostether.cli.access.ros2_tool_node import asked
     from rostether.ros2.graph_view import as_snapshot
 
-    return as_snapshot(asked(graph, lambda tool: tool.settled_snapshot()))
+    return as_snapshot(await asked(graph, lambda tool: tool.settled_snapshot()))

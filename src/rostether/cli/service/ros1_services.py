@@ -17,7 +17,6 @@ from rostether.cli.service.options import CallOptions, ServiceListing
 from rostether.cli.shell.input import piped_documents
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.own_command import called_as
-from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment
@@ -39,10 +38,10 @@ class Ros1Services:
         self._graph = graph
         self._environment = read_environment(graph)
 
-    def list_services(self, wanted: ServiceListing) -> None:
+    async def list_services(self, wanted: ServiceListing) -> None:
         """Print the services."""
         refuse_ros2_only(show_types=wanted.show_types, with_hidden=wanted.with_hidden)
-        services = run(_services(self._environment, wanted.namespace))
+        services = await _services(self._environment, wanted.namespace)
         if wanted.count_services:
             write_line(str(len(services)))
             return
@@ -53,44 +52,72 @@ class Ros1Services:
                 as_json=wanted.as_json,
             )
 
-    def type_of(self, service: str) -> None:
+    async def type_of(self, service: str) -> None:
         """Print the type of a service."""
-        write_line(self._ask(probe_type, service))
+        write_line(await self._ask(probe_type, service))
 
-    def uri_of(self, service: str) -> None:
+    async def uri_of(self, service: str) -> None:
         """Print the URI of a service."""
-        write_line(self._ask(look_up, service))
+        write_line(await self._ask(look_up, service))
 
-    def node_of(self, service: str) -> None:
+    async def node_of(self, service: str) -> None:
         """Print the node that offers a service."""
-        write_line(self._ask(provider, service))
+        write_line(await self._ask(provider, service))
 
-    def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
+    async def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the names of a service's arguments."""
-        write_line(_argument_names(self._ask(probe_type, service), msg_paths))
+        write_line(_argument_names(await self._ask(probe_type, service), msg_paths))
 
-    def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
+    async def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
         """Print which node offers a service, its URI, its type and its arguments."""
-        run(_info(self._environment, service, msg_paths, as_json=as_json))
+        name = resolve(service, self._environment)
+        async with master_client(self._environment) as client:
+            node, uri = await provider(client, name), await look_up(client, name)
+        show: Callable[[str], None] = (lambda _: None) if as_json else write_line
+        show(f"Node: {node}\nURI: {uri}")
+        type_name = await probe_uri(name, uri)
+        show(f"Type: {type_name}")
+        arguments = _argument_names(type_name, msg_paths)
+        record = {"service": name, "node": node, "uri": uri, "type": type_name, "args": arguments.split()}
+        write_result(record, f"Args: {arguments}", as_json=as_json)
 
-    def find(self, type_name: str) -> None:
+    async def find(self, type_name: str) -> None:
         """Print the services of a type."""
-        found = run(_find(self._environment, type_name))
+        found = await _find(self._environment, type_name)
         # rosservice writes an empty line.
         if found or called_as() == "rosservice":
             write_line("\n".join(found))
 
-    def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
-        """Call a service and print its response."""
+    async def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
+        """Call a service and print its response.
+
+        Raises GraphError, UnknownTypeError, SerializationError naming the field.
+        """
+        from rostether.serde.plain_form import to_plain
+        from rostether.serde.yaml_print import format_message
+
         refuse_ros2_only(rate_hz=options.rate_hz)
-        run(call(self._graph, service, values, options))
+        name = resolve(service, self._environment)
+        async with master_client(self._environment) as client:
+            if options.wait:
+                await _wait_for_service(client, name, options.timeout_s)
+            type_name = await probe_type(client, name)
+        # The type may precede the values, as in `ros2 service call`.
+        if values and values[0] in (type_name, type_name.replace("/", "/srv/")):
+            values = values[1:]
+        async with joined(self._graph, options.msg_paths, purpose="rosservice") as graph:
+            async for request in _requests(graph, type_name, values):
+                response = await graph.call(name, type_name, request, timeout_s=options.timeout_s)
+                if options.as_json:
+                    write_json(to_plain(response))
+                    continue
+                if options.verbose:
+                    write_line(f"{format_message(request)}\n---")
+                write_line(format_message(response))
 
-    def _ask(self, question: Callable[[MasterClient, str], Awaitable[str]], service: str) -> str:
-        async def ask() -> str:
-            async with master_client(self._environment) as client:
-                return await question(client, resolve(service, self._environment))
-
-        return run(ask())
+    async def _ask(self, question: Callable[[MasterClient, str], Awaitable[str]], service: str) -> str:
+        async with master_client(self._environment) as client:
+            return await question(client, resolve(service, self._environment))
 
 
 async def _services(environment: RosEnvironment, namespace: str | None) -> list[tuple[str, list[str]]]:
@@ -109,21 +136,6 @@ def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
     return " ".join(field.name for field in fields)
 
 
-async def _info(
-    environment: RosEnvironment, service: str, msg_paths: tuple[Path, ...], *, as_json: bool
-) -> None:
-    name = resolve(service, environment)
-    async with master_client(environment) as client:
-        node, uri = await provider(client, name), await look_up(client, name)
-    show: Callable[[str], None] = (lambda _: None) if as_json else write_line
-    show(f"Node: {node}\nURI: {uri}")
-    type_name = await probe_uri(name, uri)
-    show(f"Type: {type_name}")
-    arguments = _argument_names(type_name, msg_paths)
-    record = {"service": name, "node": node, "uri": uri, "type": type_name, "args": arguments.split()}
-    write_result(record, f"Args: {arguments}", as_json=as_json)
-
-
 async def _find(environment: RosEnvironment, type_name: str) -> list[str]:
     async with master_client(environment) as client:
 
@@ -136,36 +148,6 @@ async def _find(environment: RosEnvironment, type_name: str) -> list[str]:
         names = sorted((await client.system_state())[2])
         matches = await asyncio.gather(*map(has_type, names))
     return [name for name, matched in zip(names, matches, strict=True) if matched]
-
-
-async def call(
-    graph_options: GraphOptions, service: str, values: tuple[str, ...], options: CallOptions
-) -> None:
-    """Call a service and print its response.
-
-    Raises GraphError, UnknownTypeError, SerializationError naming the field.
-    """
-    from rostether.serde.plain_form import to_plain
-    from rostether.serde.yaml_print import format_message
-
-    environment = read_environment(graph_options)
-    name = resolve(service, environment)
-    async with master_client(environment) as client:
-        if options.wait:
-            await _wait_for_service(client, name, options.timeout_s)
-        type_name = await probe_type(client, name)
-    # The type may precede the values, as in `ros2 service call`.
-    if values and values[0] in (type_name, type_name.replace("/", "/srv/")):
-        values = values[1:]
-    async with joined(graph_options, options.msg_paths, purpose="rosservice") as graph:
-        async for request in _requests(graph, type_name, values):
-            response = await graph.call(name, type_name, request, timeout_s=options.timeout_s)
-            if options.as_json:
-                write_json(to_plain(response))
-                continue
-            if options.verbose:
-                write_line(f"{format_message(request)}\n---")
-            write_line(format_message(response))
 
 
 async def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...]) -> AsyncIterator[Message]:

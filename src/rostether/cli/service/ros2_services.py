@@ -13,7 +13,6 @@ from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked, tool_node
 from rostether.cli.service.options import CallOptions, ServiceListing
 from rostether.cli.shell.output import write_json, write_line, write_result
-from rostether.cli.shell.running import run
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.graph.ros_clock import wall_time
 from rostether.mechanisms.text import did_you_mean, escape_line
@@ -35,9 +34,9 @@ class Ros2Services:
         refuse_ros1_only(master=graph.master)
         self._graph = graph
 
-    def list_services(self, wanted: ServiceListing) -> None:
+    async def list_services(self, wanted: ServiceListing) -> None:
         """Print the services."""
-        view = asked(self._graph, lambda tool: tool.settled_snapshot())
+        view = await asked(self._graph, lambda tool: tool.settled_snapshot())
         names = view.services(with_hidden=wanted.with_hidden)
         if wanted.namespace is not None:
             namespace = f"/{wanted.namespace.strip('/')}"
@@ -53,30 +52,30 @@ class Ros2Services:
                 shown = f" [{', '.join(types)}]" if wanted.show_types else ""
                 write_line(escape_line(f"{name}{shown}{' ' + ','.join(nodes) if wanted.nodes else ''}"))
 
-    def type_of(self, service: str) -> None:
+    async def type_of(self, service: str) -> None:
         """Print the type of a service, or each of them."""
-        name, view = _view_of(self._graph, service)
+        name, view = await _view_of(self._graph, service)
         for each in view.types([EndpointKind.SERVER], name):
             write_line(escape_line(each))
 
-    def node_of(self, service: str) -> None:
+    async def node_of(self, service: str) -> None:
         """Print the nodes that offer a service."""
-        name, view = _view_of(self._graph, service)
+        name, view = await _view_of(self._graph, service)
         for each in servers_of(view, name):
             write_line(escape_line(each))
 
-    def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
+    async def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the names of a service's arguments."""
         from rostether.ros2.types.native_registry import NativeRegistry
 
-        name, view = _view_of(self._graph, service)
+        name, view = await _view_of(self._graph, service)
         registry = NativeRegistry.from_environment(msg_paths)
         definition = registry.ros2_service(view.types([EndpointKind.SERVER], name)[0])
         write_line(" ".join(field.name for field in definition.request.fields))
 
-    def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
+    async def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
         """Print a service's type and the numbers of clients and servers."""
-        name, view = _view_of(self._graph, service)
+        name, view = await _view_of(self._graph, service)
         shown_type = view.shown_type([EndpointKind.SERVER], name)
         ends = {kind: view.of(kind, name) for kind in SERVICE_KINDS}
         if as_json:
@@ -94,17 +93,47 @@ class Ros2Services:
         write_line(f"Clients count: {len(ends[EndpointKind.CLIENT])}")
         write_line(f"Services count: {len(ends[EndpointKind.SERVER])}")
 
-    def find(self, type_name: str) -> None:
+    async def find(self, type_name: str) -> None:
         """Print the services of a type."""
-        view = asked(self._graph, lambda tool: tool.settled_snapshot())
+        view = await asked(self._graph, lambda tool: tool.settled_snapshot())
         for name in view.services():
             if short_name(type_name) in map(short_name, view.types([EndpointKind.SERVER], name)):
                 write_line(escape_line(name))
 
-    def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
-        """Call a service as `ros2 service call` does."""
+    async def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
+        """Call a service as `ros2 service call` does.
+
+        Raises GraphError, UnknownTypeError, SerializationError naming the field.
+        """
+        from rostether.serde.plain_form import to_plain
+        from rostether.serde.yaml_form import fill_or_default, load_arguments
+
         refuse_ros1_only(verbose=options.verbose)
-        run(call(self._graph, service, values, options))
+        type_name = values[0] if values and _TYPE_NAME.fullmatch(values[0]) else None
+        # An empty argument is the empty text; YAML would read it as null.
+        fields = load_arguments([each or "''" for each in values[1 if type_name else 0 :]])
+        async with tool_node(self._graph, options.msg_paths) as tool:
+            name = tool.graph.resolve(service)
+            view = await _wait_for_server(tool, name, options)
+            chosen = short_name(type_name or view.types([EndpointKind.SERVER], name)[0])
+            await tool.learn_type(view, name, EndpointKind.SERVER)
+            definition = tool.registry.ros2_service(chosen)
+            codec = tool.graph.store.codec(tool.registry.service_type(chosen).request.name)
+            text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
+            request = fill_or_default(codec, fields, now=wall_time)
+            while True:
+                begin_s = time.monotonic()
+                if not options.as_json:
+                    write_line(f"requester: making request: {text.python(request, definition.request)}\n")
+                response = await tool.graph.call(name, chosen, request, timeout_s=options.timeout_s)
+                write_result(
+                    to_plain(response),
+                    f"response:\n{text.python(response, definition.response)}\n",
+                    as_json=options.as_json,
+                )
+                if options.rate_hz is None:
+                    return
+                await asyncio.sleep(max(begin_s + 1 / options.rate_hz - time.monotonic(), 0.0))
 
 
 def servers_of(view: GraphView, service: str) -> list[str]:
@@ -112,7 +141,7 @@ def servers_of(view: GraphView, service: str) -> list[str]:
     return sorted({end.node_name for end in view.of(EndpointKind.SERVER, service)})
 
 
-def _view_of(graph: GraphOptions, service: str) -> tuple[str, GraphView]:
+async def _view_of(graph: GraphOptions, service: str) -> tuple[str, GraphView]:
     """Return a service's full name and the graph it is in. Raises UnknownNameError."""
 
     async def ask(tool: ToolNode) -> tuple[str, GraphView]:
@@ -120,7 +149,7 @@ def _view_of(graph: GraphOptions, service: str) -> tuple[str, GraphView]:
         await tool.snapshot_when(lambda seen: bool(seen.of(EndpointKind.SERVER, name)))
         return name, await tool.settled_snapshot()
 
-    name, view = asked(graph, ask)
+    name, view = await asked(graph, ask)
     if not view.of(EndpointKind.SERVER, name):
         raise unknown_service(name, view.services())
     return name, view
@@ -130,41 +159,6 @@ def unknown_service(name: str, known: Iterable[str]) -> UnknownNameError:
     """Return the error for a service that no node offers."""
     hint = did_you_mean(name, known) or "`rostether service list` shows all services"
     return UnknownNameError(f"Unknown service '{name}': no node offers it; {hint}")
-
-
-async def call(graph: GraphOptions, service: str, arguments: tuple[str, ...], options: CallOptions) -> None:
-    """Call a service and print its response.
-
-    Raises GraphError, UnknownTypeError, SerializationError naming the field.
-    """
-    from rostether.serde.plain_form import to_plain
-    from rostether.serde.yaml_form import fill_or_default, load_arguments
-
-    type_name = arguments[0] if arguments and _TYPE_NAME.fullmatch(arguments[0]) else None
-    # An empty argument is the empty text; YAML would read it as null.
-    values = load_arguments([each or "''" for each in arguments[1 if type_name else 0 :]])
-    async with tool_node(graph, options.msg_paths) as tool:
-        name = tool.graph.resolve(service)
-        view = await _wait_for_server(tool, name, options)
-        chosen = short_name(type_name or view.types([EndpointKind.SERVER], name)[0])
-        await tool.learn_type(view, name, EndpointKind.SERVER)
-        definition = tool.registry.ros2_service(chosen)
-        codec = tool.graph.store.codec(tool.registry.service_type(chosen).request.name)
-        text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
-        request = fill_or_default(codec, values, now=wall_time)
-        while True:
-            begin_s = time.monotonic()
-            if not options.as_json:
-                write_line(f"requester: making request: {text.python(request, definition.request)}\n")
-            response = await tool.graph.call(name, chosen, request, timeout_s=options.timeout_s)
-            write_result(
-                to_plain(response),
-                f"response:\n{text.python(response, definition.response)}\n",
-                as_json=options.as_json,
-            )
-            if options.rate_hz is None:
-                return
-            await asyncio.sleep(max(begin_s + 1 / options.rate_hz - time.monotonic(), 0.0))
 
 
 async def _wait_for_server(tool: ToolNode, service: str, options: CallOptions) -> GraphView:

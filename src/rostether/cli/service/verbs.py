@@ -36,45 +36,45 @@ def services_of(graph: GraphOptions) -> Ros1Services | Ros2Services:
 @verb("list", "rostether service list\nrostether service list -n /demo_board")
 @option_group("wanted", ServiceListing)
 @graph_options()
-def list_services(wanted: ServiceListing, graph: GraphOptions) -> None:
+async def list_services(wanted: ServiceListing, graph: GraphOptions) -> None:
     """List all services, or those in a namespace."""
-    services_of(graph).list_services(wanted)
+    await services_of(graph).list_services(wanted)
 
 
 @verb("type", "rostether service type /set_led")
 @_service_argument
 @graph_options()
-def type_of(service: str, graph: GraphOptions) -> None:
+async def type_of(service: str, graph: GraphOptions) -> None:
     """Print the type of a service."""
-    services_of(graph).type_of(service)
+    await services_of(graph).type_of(service)
 
 
 @verb("uri", "rostether service uri /set_led")
 @_service_argument
 @graph_options()
-def uri_of(service: str, graph: GraphOptions) -> None:
+async def uri_of(service: str, graph: GraphOptions) -> None:
     """Print the URI (rosrpc://host:port) of a service."""
     refuse_ros2(graph, "service uri", "ROS 2 services have no URI; use `rostether service info`")
     from rostether.cli.service.ros1_services import Ros1Services
 
-    Ros1Services(graph).uri_of(service)
+    await Ros1Services(graph).uri_of(service)
 
 
 @verb("node", "rostether service node /set_led")
 @_service_argument
 @graph_options()
-def node_of(service: str, graph: GraphOptions) -> None:
+async def node_of(service: str, graph: GraphOptions) -> None:
     """Print the node that offers a service."""
-    services_of(graph).node_of(service)
+    await services_of(graph).node_of(service)
 
 
 @verb("args", "rostether service args /set_led")
 @_service_argument
 @msg_path_option
 @graph_options()
-def args(service: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
+async def args(service: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
     """Print the names of a service's arguments."""
-    services_of(graph).args(service, msg_paths)
+    await services_of(graph).args(service, msg_paths)
 
 
 @verb("info", "rostether service info /set_led")
@@ -82,20 +82,20 @@ def args(service: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None
 @json_option
 @msg_path_option
 @graph_options()
-def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
+async def info(service: str, as_json: bool, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
     """Show which node offers a service, its type and its arguments.
 
     With --ros2, show its type and the numbers of its clients and servers.
     """
-    services_of(graph).info(service, msg_paths, as_json=as_json)
+    await services_of(graph).info(service, msg_paths, as_json=as_json)
 
 
 @verb("find", "rostether service find std_srvs/SetBool")
 @click.argument("type_name", metavar="TYPE", shell_complete=complete_service_types)
 @graph_options()
-def find(type_name: str, graph: GraphOptions) -> None:
+async def find(type_name: str, graph: GraphOptions) -> None:
     """List the services of a type."""
-    services_of(graph).find(type_name)
+    await services_of(graph).find(type_name)
 
 
 @verb(
@@ -112,11 +112,11 @@ def find(type_name: str, graph: GraphOptions) -> None:
 @click.argument("arguments", nargs=-1, metavar="[ARGUMENTS]...")
 @option_group("options", CallOptions)
 @graph_options(allow=True)
-def call(service: str, arguments: tuple[str, ...], options: CallOptions, graph: GraphOptions) -> None:
+async def call(service: str, arguments: tuple[str, ...], options: CallOptions, graph: GraphOptions) -> None:
     """Call a service and print its response.
 
     ARGUMENTS are YAML: one mapping of the request's fields, or the value of each field in order. Without
     them, requests come from a pipe, in YAML documents that are separated by ---. With --ros2 you can give the
     service's type first; missing fields have their defaults.
     """
-    services_of(graph).call(service, arguments, options)
+    await services_of(graph).call(service, arguments, options)

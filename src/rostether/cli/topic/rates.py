@@ -23,8 +23,7 @@ from rostether.cli.shell.option_group import (
     option_group,
     shared,
 )
-from rostether.cli.shell.output import json_option, write_json, write_line
-from rostether.cli.shell.running import run
+from rostether.cli.shell.output import json_option, write_json, write_line, write_result
 from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.verbs import topics_of
 from rostether.graph.message_windows import (
@@ -70,7 +69,7 @@ class MeterOptions:
 @option_group("options", MeterOptions)
 @ignored_options(flags=["--tcpnodelay"])
 @graph_options(allow=True)
-def hz(
+async def hz(
     topics: tuple[str, ...],
     expression: str | None,
     wall_time: bool,
@@ -84,26 +83,23 @@ def hz(
 
         test = compile_filter(expression)
 
-    async def measure() -> None:
-        meter = topics_of(graph).meter(
-            topics, options.msg_paths, quiet=options.as_json, needs_definitions=test is not None
-        )
-        async with meter as measuring:
-            windows = {name: IntervalWindow(options.window) for name in measuring.names}
+    meter = topics_of(graph).meter(
+        topics, options.msg_paths, quiet=options.as_json, needs_definitions=test is not None
+    )
+    async with meter as measuring:
+        windows = {name: IntervalWindow(options.window) for name in measuring.names}
 
-            def now_s() -> float:
-                return time.time() if wall_time else measuring.graph.now().to_s()
+        def now_s() -> float:
+            return time.time() if wall_time else measuring.graph.now().to_s()
 
-            for name, window in windows.items():
-                count = partial(_count, window, now_s)
-                if test is None:
-                    await measuring.add_raw_listener(name, count)
-                else:
-                    measuring.add_listener(name, partial(_count_matching, count, test, name))
-            async for _ in measuring.reports(options.count):
-                _report_rates(windows, options.as_json)
-
-    run(measure())
+        for name, window in windows.items():
+            count = partial(_count, window, now_s)
+            if test is None:
+                await measuring.add_raw_listener(name, count)
+            else:
+                measuring.add_listener(name, partial(_count_matching, count, test, name))
+        async for _ in measuring.reports(options.count):
+            _report_rates(windows, options.as_json)
 
 
 def _count(window: IntervalWindow, now_s: Callable[[], float], messages: Sequence[object]) -> None:
@@ -139,30 +135,24 @@ def _report_rates(windows: dict[str, IntervalWindow], as_json: bool) -> None:
 @_count_option
 @json_option
 @graph_options(allow=True)
-def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOptions) -> None:
+async def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOptions) -> None:
     """Measure the bandwidth of a topic and print it every second."""
     sizes = SizeWindow(window)
 
-    async def measure() -> None:
-        meter = topics_of(graph).meter((topic,), (), quiet=as_json, needs_definitions=False)
-        async with meter as measuring:
-            name = measuring.names[0]
+    async with topics_of(graph).meter((topic,), (), quiet=as_json, needs_definitions=False) as measuring:
+        name = measuring.names[0]
 
-            def add(payloads: Sequence[bytes]) -> None:
-                now_s = time.monotonic()
-                for payload in payloads:
-                    sizes.add(now_s, measuring.size_bytes(name, payload))
+        def add(payloads: Sequence[bytes]) -> None:
+            now_s = time.monotonic()
+            for payload in payloads:
+                sizes.add(now_s, measuring.size_bytes(name, payload))
 
-            await measuring.add_raw_listener(name, add)
-            async for _ in measuring.reports(count):
-                found = sizes.report(time.monotonic())
-                if found is not None and as_json:
-                    write_json({"topic": name, **asdict(found)})
-                elif found is not None:
-                    shown = format_ros2_bandwidth if measuring.is_ros2 else format_bandwidth
-                    write_line(shown(found))
-
-    run(measure())
+        await measuring.add_raw_listener(name, add)
+        async for _ in measuring.reports(count):
+            found = sizes.report(time.monotonic())
+            if found is not None:
+                shown = format_ros2_bandwidth if measuring.is_ros2 else format_bandwidth
+                write_result({"topic": name, **asdict(found)}, shown(found), as_json=as_json)
 
 
 @verb("delay", "rostether topic delay /imu_data")
@@ -170,30 +160,24 @@ def bw(topic: str, window: int, count: int | None, as_json: bool, graph: GraphOp
 @option_group("options", MeterOptions)
 @ignored_options(flags=["--tcpnodelay"])
 @graph_options(allow=True)
-def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:
+async def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:
     """Measure the age of messages on arrival, from the stamp in their header."""
     delays = DelayWindow(options.window)
 
-    async def measure() -> None:
-        meter = topics_of(graph).meter(
-            (topic,), options.msg_paths, quiet=options.as_json, needs_definitions=True
-        )
-        async with meter as measuring:
-            name = measuring.names[0]
+    meter = topics_of(graph).meter((topic,), options.msg_paths, quiet=options.as_json, needs_definitions=True)
+    async with meter as measuring:
+        name = measuring.names[0]
 
-            def add(message: Any) -> None:
-                stamp_s = measuring.stamp_s(name, message)
-                # Simulated time is zero until its first message.
-                if now_s := measuring.graph.now().to_s():
-                    delays.add(now_s, stamp_s)
+        def add(message: Any) -> None:
+            stamp_s = measuring.stamp_s(name, message)
+            # Simulated time is zero until its first message.
+            if now_s := measuring.graph.now().to_s():
+                delays.add(now_s, stamp_s)
 
-            measuring.add_listener(name, add)
-            async for _ in measuring.reports(options.count):
-                spread = delays.report()
-                if spread is not None and options.as_json:
-                    record = asdict(spread)
-                    write_json({"topic": name, "mean_s": record.pop("mean_s"), **record})
-                elif not options.as_json:
-                    write_line(NOTHING_NEW if spread is None else format_delay(spread))
-
-    run(measure())
+        measuring.add_listener(name, add)
+        async for _ in measuring.reports(options.count):
+            spread = delays.report()
+            if spread is not None and options.as_json:
+                write_json({"topic": name, **asdict(spread)})
+            elif not options.as_json:
+                write_line(NOTHING_NEW if spread is None else format_delay(spread))

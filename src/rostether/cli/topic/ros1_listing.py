@@ -10,7 +10,6 @@ from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import master_client, read_environment, resolve, type_store
 from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.own_command import called_as
-from rostether.cli.shell.running import run
 from rostether.cli.topic.options import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import (
     TopicView,
@@ -32,10 +31,10 @@ class Ros1TopicListing:
         self._graph = graph
         self._environment = read_environment(graph)
 
-    def list_topics(self, wanted: TopicListing) -> None:
+    async def list_topics(self, wanted: TopicListing) -> None:
         """Print the topics."""
         environment = self._environment
-        topics = run(fetch_topics(environment))
+        topics = await fetch_topics(environment)
         if wanted.namespace is not None and (within := resolve(wanted.namespace, environment)) != "/":
             topics = [topic for topic in topics if is_in_namespace(topic.name, within)]
         if wanted.publishers:
@@ -58,16 +57,16 @@ class Ros1TopicListing:
             for topic in topics:
                 write_line(f"{topic.name} [{topic.type}]")
         elif wanted.by_host:
-            for host, found in run(_by_host(topics, environment)).items():
+            for host, found in (await _by_host(topics, environment)).items():
                 write_line(f"Host [{host}]:")
                 _write_list(found, wanted, "  ")
         else:
             _write_list(topics, wanted, "")
 
-    def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
+    async def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
         """Print a topic's type, and the nodes that publish and subscribe to it. Raises UnknownNameError."""
         refuse_ros2_only(verbose=verbose)
-        view, uris = run(_fetch_one(topic, self._environment))
+        view, uris = await _fetch_one(topic, self._environment)
         if as_json:
             write_json(
                 {
@@ -87,13 +86,13 @@ class Ros1TopicListing:
         # As in rostopic, the output ends with two empty lines.
         write_line()
 
-    def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
+    async def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the type of a topic, or of a field in it. Raises UnknownNameError."""
         from rostether.serde.field_path import FieldPath
 
         name = resolve_with_field(topic, self._environment)
         store = type_store(msg_paths)
-        views = run(fetch_topics(self._environment))
+        views = await fetch_topics(self._environment)
         chosen = choose_topic(name, views, store)
         if chosen is None:
             raise UnknownNameError(unknown_topic(name, (view.name for view in views)))
@@ -103,9 +102,10 @@ class Ros1TopicListing:
             field_type = FieldPath(store.codec(chosen.type), chosen.field).type
             write_line(f"{chosen.type} {chosen.field} {field_type}")
 
-    def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
+    async def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
         """Print the topics of a type."""
-        found = [topic.name for topic in run(fetch_topics(self._environment)) if topic.type == type_name]
+        topics = await fetch_topics(self._environment)
+        found = [topic.name for topic in topics if topic.type == type_name]
         for name in found:
             write_result({"topic": name}, name, as_json=as_json)
         # rostopic writes an empty line.

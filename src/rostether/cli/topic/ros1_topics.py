@@ -12,12 +12,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros2_only
-from rostether.cli.access.ros1_access import joined, read_environment, resolve, type_store
+from rostether.cli.access.ros1_access import joined, resolve, type_store
 from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.topic.options import EchoOptions, PubOptions, with_field
 from rostether.cli.topic.ros1_listing import Ros1TopicListing
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
@@ -47,7 +45,7 @@ SUBSCRIBER_TIMEOUT_S = 5.0
 class Ros1Topics(Ros1TopicListing):
     """The topics of a ROS 1 graph; each method is a whole command."""
 
-    def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
+    async def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
         """Print messages as rostopic does."""
         from rostether.cli.topic.ros1_echo import echo
 
@@ -55,10 +53,13 @@ class Ros1Topics(Ros1TopicListing):
         options.refuse_ros2_only()
         # A wrong filter is reported before the node subscribes.
         options.compiled_filter()
-        run(echo(self._graph, with_field(topic, options), options))
+        await echo(self._graph, with_field(topic, options), options)
 
-    def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
+    async def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
         """Publish messages as rostopic does."""
+        from rostether.msgdef.search_waiting import wait_for_definitions
+        from rostether.serde.yaml_form import fill_message, load_arguments
+
         refuse_ros2_only(
             times=options.times,
             wait_for=options.wait_for is not None,
@@ -68,7 +69,36 @@ class Ros1Topics(Ros1TopicListing):
         )
         if options.once and options.rate_hz is not None:
             raise click.UsageError("give one of -1 and -r, not both")
-        run(_publish(self._graph, topic, type_name, values, options))
+        name = resolve(topic, self._environment)
+        store = type_store(options.msg_paths)
+        await wait_for_definitions(store.registry, lambda: store.registry.message_type(type_name))
+        codec = store.codec(type_name)
+        given = load_arguments(values)
+        text = read_text(options.file) if options.file is not None else None
+        is_typed = bool(values) or not codec.message_class._fields
+        # Errors are reported before anything is advertised.
+        if is_typed:
+            fill_message(codec, given, now=wall_time)
+        elif text is None and sys.stdin.isatty():
+            fields = " ".join(field for field, _ in codec.message_class._fields)
+            raise click.UsageError(f"{type_name} needs values: {fields}; {{}} sets all to zero")
+        async with joined(self._graph, store=store, purpose="rostopic") as graph:
+            await _check_type(graph, name, codec)
+            now = graph.now if options.use_rostime else wall_time
+            is_latched = options.rate_hz is None or options.latch
+            publisher = await graph.publisher(name, type_name, latch=is_latched)
+            async with task_beside(graph.raw.wait_closed()) as leaving:
+                output = _Output(publisher, leaving, options)
+                if not is_typed:
+                    await output.publish_documents(_documents(codec, text, now))
+                    return
+                first = fill_message(codec, given, now=now)
+                if options.rate_hz is None:
+                    await output.publish_latched(first)
+                elif options.substitute_keywords:
+                    await output.repeat(lambda: fill_message(codec, given, now=now), options.rate_hz)
+                else:
+                    await output.repeat(lambda: first, options.rate_hz)
 
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
@@ -77,44 +107,6 @@ class Ros1Topics(Ros1TopicListing):
         from rostether.cli.topic.meter import ros1_meter
 
         return ros1_meter(self._graph, topics, msg_paths, quiet=quiet)
-
-
-async def _publish(
-    graph_options: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
-) -> None:
-    from rostether.msgdef.search_waiting import wait_for_definitions
-    from rostether.serde.yaml_form import fill_message, load_arguments
-
-    name = resolve(topic, read_environment(graph_options))
-    store = type_store(options.msg_paths)
-    await wait_for_definitions(store.registry, lambda: store.registry.message_type(type_name))
-    codec = store.codec(type_name)
-    values = load_arguments(given)
-    text = read_text(options.file) if options.file is not None else None
-    is_typed = bool(given) or not codec.message_class._fields
-    # Errors are reported before anything is advertised.
-    if is_typed:
-        fill_message(codec, values, now=wall_time)
-    elif text is None and sys.stdin.isatty():
-        fields = " ".join(field for field, _ in codec.message_class._fields)
-        raise click.UsageError(f"{type_name} needs values: {fields}; {{}} sets all to zero")
-    async with joined(graph_options, store=store, purpose="rostopic") as graph:
-        await _check_type(graph, name, codec)
-        now = graph.now if options.use_rostime else wall_time
-        is_latched = options.rate_hz is None or options.latch
-        publisher = await graph.publisher(name, type_name, latch=is_latched)
-        async with task_beside(graph.raw.wait_closed()) as leaving:
-            output = _Output(publisher, leaving, options)
-            if not is_typed:
-                await output.publish_documents(_documents(codec, text, now))
-                return
-            first = fill_message(codec, values, now=now)
-            if options.rate_hz is None:
-                await output.publish_latched(first)
-            elif options.substitute_keywords:
-                await output.repeat(lambda: fill_message(codec, values, now=now), options.rate_hz)
-            else:
-                await output.repeat(lambda: first, options.rate_hz)
 
 
 async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:

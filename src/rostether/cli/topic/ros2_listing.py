@@ -27,10 +27,10 @@ class Ros2TopicListing:
         refuse_ros1_only(master=graph.master)
         self._graph = graph
 
-    def list_topics(self, wanted: TopicListing) -> None:
+    async def list_topics(self, wanted: TopicListing) -> None:
         """Print the topics."""
         refuse_ros1_only(by_host=wanted.by_host)
-        view = asked(self._graph, lambda tool: tool.settled_snapshot())
+        view = await asked(self._graph, lambda tool: tool.settled_snapshot())
         kinds: tuple[EndpointKind, ...] = TOPIC_KINDS
         if wanted.publishers or wanted.subscribers:
             kinds = (EndpointKind.PUBLISHER,) if wanted.publishers else (EndpointKind.SUBSCRIPTION,)
@@ -53,9 +53,9 @@ class Ros2TopicListing:
                 shown = f" [{', '.join(view.types(TOPIC_KINDS, name))}]" if wanted.show_types else ""
                 write_line(escape_line(name + shown))
 
-    def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
+    async def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
         """Print a topic's type and the numbers of its publishers and subscribers; `verbose` lists them."""
-        name, view = _view_of(self._graph, topic)
+        name, view = await _view_of(self._graph, topic)
         publishers, subscribers = (view.of(kind, name) for kind in TOPIC_KINDS)
         if as_json:
             write_json(
@@ -74,15 +74,15 @@ class Ros2TopicListing:
                 for end in ends:
                     write_line(f"{format_end(end)}\n")
 
-    def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
+    async def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the types of a topic, one per line."""
-        name, view = _view_of(self._graph, topic)
+        name, view = await _view_of(self._graph, topic)
         for each in view.types(TOPIC_KINDS, name):
             write_line(escape_line(each))
 
-    def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
+    async def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
         """Print the topics of a type."""
-        view = asked(self._graph, lambda tool: tool.settled_snapshot())
+        view = await asked(self._graph, lambda tool: tool.settled_snapshot())
         for name in view.topics(with_hidden=with_hidden):
             if short_name(type_name) in map(short_name, view.types(TOPIC_KINDS, name)):
                 write_result({"topic": name}, escape_line(name), as_json=as_json)
@@ -107,7 +107,7 @@ def _record(view: GraphView, name: str) -> dict[str, Any]:
     }
 
 
-def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
+async def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
     """Return a topic's full name and the graph it is in. Raises UnknownNameError."""
 
     async def ask(tool: ToolNode) -> tuple[str, GraphView]:
@@ -115,7 +115,7 @@ def _view_of(graph: GraphOptions, topic: str) -> tuple[str, GraphView]:
         await tool.snapshot_when(lambda seen: name in seen.topics(with_hidden=True))
         return name, await tool.settled_snapshot()
 
-    name, view = asked(graph, ask)
+    name, view = await asked(graph, ask)
     if name not in view.topics(with_hidden=True):
         raise UnknownNameError(unknown_topic(name, view.topics()))
     return name, view

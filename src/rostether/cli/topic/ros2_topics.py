@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import tool_node
 from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import paint_keys, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.topic.echo_printer import EchoPrinter
 from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.options import EchoOptions, PubOptions
@@ -46,19 +44,79 @@ ACKNOWLEDGE_S = 10.0
 class Ros2Topics(Ros2TopicListing):
     """The topics of a ROS 2 graph; each method is a whole command."""
 
-    def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
+    async def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
         """Print messages as `ros2 topic echo` does."""
         refuse_ros1_only(plot=options.plot, number_width=options.number_width, offset=options.offset)
         # A wrong filter is reported before the node subscribes.
         options.compiled_filter()
-        run(_echo(self._graph, topic, type_name, options))
+        count = 0
+        async with tool_node(self._graph, options.msg_paths) as tool:
+            try:
+                async with asyncio.timeout(options.timeout_s):
+                    chosen = await choose_ros2_topic(tool, topic, type_name, options.field)
+                    printer = _Printer(tool, chosen, options)
+                    async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
+                        async for message in messages:
+                            printer.show(message)
+                            count = printer.shown_count
+                            if printer.is_done:
+                                return
+            except TimeoutError:
+                if count and options.wanted_count is None:
+                    return
+                kind = "message" if options.expression is None else "matching message"
+                wanted = counted(options.wanted_count or 0, kind)
+                what = f"only {count} of {wanted}" if count else f"no {kind}"
+                raise GraphError(
+                    f"{what} arrived on {topic} within {options.timeout_s:g} s; "
+                    f"`rostether topic info {topic}` shows its publishers"
+                ) from None
 
-    def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
+    async def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
         """Publish messages as `ros2 topic pub` does."""
+        from rostether.serde.yaml_form import fill_or_default, load_arguments, load_documents
+
         refuse_ros1_only(substitute_keywords=options.substitute_keywords, use_rostime=options.use_rostime)
         if options.once and options.times:
             raise click.UsageError("give one of -1 and -t, not both")
-        run(_publish(self._graph, topic, type_name, values, options))
+        # Errors are reported before anything is advertised.
+        given = [load_arguments(values)]
+        if options.file is not None:
+            given = list(load_documents(read_text(options.file)))
+        name = short_name(type_name)
+        async with tool_node(self._graph, options.msg_paths) as tool:
+            codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)
+            messages = [fill_or_default(codec, each, now=wall_time) for each in given]
+            support = tool.types.by_name(definition.full_name)
+            for checked in messages:
+                # Raises an error for texts and arrays beyond their bounds; a publisher omits the message.
+                support.converter.to_cdr(codec.encode(checked))
+            text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
+            is_latched = options.latch or options.qos_durability == "transient_local"
+            publisher = await tool.graph.publisher(topic, name, latch=is_latched)
+            times = 1 if options.once else options.times
+            print_nth = 1 if options.print_nth is None else options.print_nth
+            period_s = 1 / (options.rate_hz or DEFAULT_RATE_HZ)
+            await _wait_for_subscribers(publisher, times, options)
+            write_line("publisher: beginning loop")
+            due_s = time.monotonic()
+            count = 0
+            leaving = asyncio.ensure_future(tool.graph.raw.wait_closed())
+            while not leaving.done():
+                # `now` and `auto` get the time of each message.
+                message: Any = messages[0]
+                if count:
+                    message = fill_or_default(codec, given[count % len(given)], now=wall_time)
+                count += 1
+                if print_nth and count % print_nth == 0:
+                    write_line(f"publishing #{count}: {text.python(message, definition)}\n")
+                publisher.publish(message)
+                if times and count >= times:
+                    break
+                due_s = max(due_s + period_s, time.monotonic() - period_s)
+                await asyncio.wait({leaving}, timeout=max(due_s - time.monotonic(), 0.0))
+            await publisher.drained(ACKNOWLEDGE_S)
+            await asyncio.sleep(KEEP_ALIVE_S)
 
     def meter(
         self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
@@ -70,51 +128,6 @@ class Ros2Topics(Ros2TopicListing):
         from rostether.cli.topic.meter import ros2_meter
 
         return ros2_meter(self._graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)
-
-
-async def _publish(
-    graph: GraphOptions, topic: str, type_name: str, given: tuple[str, ...], options: PubOptions
-) -> None:
-    from rostether.serde.yaml_form import fill_or_default, load_arguments, load_documents
-
-    # Errors are reported before anything is advertised.
-    values = [load_arguments(given)]
-    if options.file is not None:
-        values = list(load_documents(read_text(options.file)))
-    name = short_name(type_name)
-    async with tool_node(graph, options.msg_paths) as tool:
-        codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)
-        messages = [fill_or_default(codec, each, now=wall_time) for each in values]
-        support = tool.types.by_name(definition.full_name)
-        for checked in messages:
-            # Raises an error for texts and arrays beyond their bounds; a publisher only omits the message.
-            support.converter.to_cdr(codec.encode(checked))
-        text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
-        is_latched = options.latch or options.qos_durability == "transient_local"
-        publisher = await tool.graph.publisher(topic, name, latch=is_latched)
-        times = 1 if options.once else options.times
-        print_nth = 1 if options.print_nth is None else options.print_nth
-        period_s = 1 / (options.rate_hz or DEFAULT_RATE_HZ)
-        await _wait_for_subscribers(publisher, times, options)
-        write_line("publisher: beginning loop")
-        due_s = time.monotonic()
-        count = 0
-        leaving = asyncio.ensure_future(tool.graph.raw.wait_closed())
-        while not leaving.done():
-            # `now` and `auto` get the time of each message.
-            message: Any = messages[0]
-            if count:
-                message = fill_or_default(codec, values[count % len(values)], now=wall_time)
-            count += 1
-            if print_nth and count % print_nth == 0:
-                write_line(f"publishing #{count}: {text.python(message, definition)}\n")
-            publisher.publish(message)
-            if times and count >= times:
-                break
-            due_s = max(due_s + period_s, time.monotonic() - period_s)
-            await asyncio.wait({leaving}, timeout=max(due_s - time.monotonic(), 0.0))
-        await publisher.drained(ACKNOWLEDGE_S)
-        await asyncio.sleep(KEEP_ALIVE_S)
 
 
 async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, options: PubOptions) -> None:
@@ -133,30 +146,6 @@ async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, opti
             write_line(f"Waiting for at least {wanted} matching subscription(s)...")
             reported_s = now_s + WAIT_LINE_S
         await asyncio.sleep(MATCH_POLL_S)
-
-
-async def _echo(graph: GraphOptions, topic: str, type_name: str | None, options: EchoOptions) -> None:
-    count = 0
-    async with tool_node(graph, options.msg_paths) as tool:
-        try:
-            async with asyncio.timeout(options.timeout_s):
-                chosen = await choose_ros2_topic(tool, topic, type_name, options.field)
-                printer = _Printer(tool, chosen, options)
-                async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
-                    async for message in messages:
-                        printer.show(message)
-                        count = printer.shown_count
-                        if printer.is_done:
-                            return
-        except TimeoutError:
-            if count and options.wanted_count is None:
-                return
-            kind = "message" if options.expression is None else "matching message"
-            what = f"only {count} of {counted(options.wanted_count or 0, kind)}" if count else f"no {kind}"
-            raise GraphError(
-                f"{what} arrived on {topic} within {options.timeout_s:g} s; "
-                f"`rostether topic info {topic}` shows its publishers"
-            ) from None
 
 
 def _style(options: EchoOptions) -> TextStyle:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Coroutine
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -51,7 +52,7 @@ def topics_of(graph: GraphOptions) -> Ros1Topics | Ros2Topics:
 )
 @option_group("wanted", TopicListing)
 @graph_options()
-def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
+def list_topics(wanted: TopicListing, graph: GraphOptions) -> Coroutine[Any, Any, None] | None:
     """List all topics, or those in a namespace."""
     if wanted.publishers and wanted.subscribers:
         raise click.UsageError("give one of -p and -s, not both")
@@ -59,8 +60,8 @@ def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
         from rostether.cli.topic.ros1_echo import list_recording
 
         list_recording(wanted.bag)
-        return
-    topics_of(graph).list_topics(wanted)
+        return None
+    return topics_of(graph).list_topics(wanted)
 
 
 @verb("info", "rostether topic info /ultrasound\nrostether topic info -v --ros2 /ultrasound")
@@ -68,9 +69,9 @@ def list_topics(wanted: TopicListing, graph: GraphOptions) -> None:
 @add_flag("-v --verbose", "With --ros2, show each endpoint and its quality of service.")
 @json_option
 @graph_options()
-def info(topic: str, verbose: bool, as_json: bool, graph: GraphOptions) -> None:
+async def info(topic: str, verbose: bool, as_json: bool, graph: GraphOptions) -> None:
     """Show a topic's type, and the nodes that publish and subscribe to it."""
-    topics_of(graph).info(topic, verbose=verbose, as_json=as_json)
+    await topics_of(graph).info(topic, verbose=verbose, as_json=as_json)
 
 
 @verb(
@@ -84,9 +85,9 @@ def info(topic: str, verbose: bool, as_json: bool, graph: GraphOptions) -> None:
 @click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete_topics)
 @msg_path_option
 @graph_options()
-def type_of(topic: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
+async def type_of(topic: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
     """Print the type of a topic; for a field, print the topic's type, the field, and the field's type."""
-    topics_of(graph).type_of(topic, msg_paths)
+    await topics_of(graph).type_of(topic, msg_paths)
 
 
 @verb("find", "rostether topic find sensor_msgs/Range")
@@ -94,9 +95,9 @@ def type_of(topic: str, msg_paths: tuple[Path, ...], graph: GraphOptions) -> Non
 @hidden_topics_option
 @json_option
 @graph_options()
-def find(type_name: str, with_hidden: bool, as_json: bool, graph: GraphOptions) -> None:
+async def find(type_name: str, with_hidden: bool, as_json: bool, graph: GraphOptions) -> None:
     """List the topics of a type."""
-    topics_of(graph).find(type_name, with_hidden=with_hidden, as_json=as_json)
+    await topics_of(graph).find(type_name, with_hidden=with_hidden, as_json=as_json)
 
 
 @verb(
@@ -115,7 +116,9 @@ def find(type_name: str, with_hidden: bool, as_json: bool, graph: GraphOptions) 
 @graph_options(allow=True)
 @ignored_options("--qos-durability")
 @ignored_qos_options
-def echo(topic: str | None, type_name: str | None, options: EchoOptions, graph: GraphOptions) -> None:
+def echo(
+    topic: str | None, type_name: str | None, options: EchoOptions, graph: GraphOptions
+) -> Coroutine[Any, Any, None] | None:
     """Print the messages of a topic, or a field of them.
 
     Message types come from the publisher, so types that are not installed also work. The command waits for a
@@ -128,9 +131,10 @@ def echo(topic: str | None, type_name: str | None, options: EchoOptions, graph: 
     if options.bag is not None:
         from rostether.cli.topic.ros1_echo import echo_recording
 
+        # Outside the event loop, Ctrl-C ends this immediately.
         echo_recording(options.bag, topic, options)
-        return
-    topics_of(graph).echo(topic or "", type_name, options)
+        return None
+    return topics_of(graph).echo(topic or "", type_name, options)
 
 
 class _Pub(Verb):
@@ -171,7 +175,7 @@ class _Pub(Verb):
 @option_group("options", PubOptions)
 @graph_options(allow=True)
 @ignored_qos_options
-def pub(
+async def pub(
     topic: str, type_name: str, values: tuple[str, ...], options: PubOptions, graph: GraphOptions
 ) -> None:
     """Publish messages.
@@ -186,4 +190,4 @@ def pub(
     """
     if values and options.file is not None:
         raise click.UsageError("give values or a file, not both")
-    topics_of(graph).publish(topic, type_name, values, options)
+    await topics_of(graph).publish(topic, type_name, values, options)
