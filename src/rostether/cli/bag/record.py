@@ -37,7 +37,6 @@ from rostether.cli.shell.option_group import (
     shared,
 )
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.block_end import task_beside
@@ -144,13 +143,14 @@ class RecordOptions:
     rostether bag record --all --exclude "/camera.*" --lz4 --duration 5m
     rostether bag record --ros2 zenoh --all
     """,
+    is_service=True,
     old_options={"--output-name": "--output", "--limit": "--count"},
 )
 @option_group("options", RecordOptions)
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...", shell_complete=complete_topics)
 @ignored_options(flags=["--tcpnodelay", "--udp", "--topics"])
 @graph_options(allow=True, zenoh=True)
-def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOptions) -> None:
+async def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOptions) -> None:
     """Record topics, as raw bytes, until Ctrl-C, a limit, or a full disk.
 
     The file is called NAME.active until it is closed. If the command is killed, the file lacks at most the
@@ -197,7 +197,7 @@ def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: GraphOpti
         is_splitting=options.split,
         of_ros2_graph=graph.is_ros2_alone,
     )
-    run(_record(graph, choice, limits, files, options), is_service=True)
+    await _record(graph, choice, limits, files, options)
 
 
 async def _record(

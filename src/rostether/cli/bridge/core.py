@@ -21,11 +21,10 @@ from rostether.cli.access.served_graphs import master_answers
 from rostether.cli.bridge.options import GRAPH_LIMITS, limit_option, read_graph_limits
 from rostether.cli.shell.option_group import add_option, ignored_options
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import GraphError
 from rostether.mechanisms.block_end import closed_at_end
-from rostether.ros1.environment import RosEnvironment, format_uri
+from rostether.ros1.environment import format_uri
 
 # Nodes on this machine find the router only if one of its endpoints ends with one of these texts.
 _USUAL_ENDPOINTS = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
@@ -49,6 +48,7 @@ _roscore_options = ignored_options(
     rostether core --listen 0.0.0.0       for nodes on other machines too
     rostether core --ros2 zenoh --zenoh-listen tcp/0.0.0.0:7447
     """,
+    is_service=True,
 )
 @add_option(
     "-p --port",
@@ -60,7 +60,7 @@ _roscore_options = ignored_options(
 @ros2_option("Run a ROS 2 zenoh router instead.", "[zenoh]")
 @graph_options(served=True, master=False, ros=False, zenoh=True)
 @_roscore_options
-def core(
+async def core(
     port: int | None, listen: str | None, limits: tuple[str, ...], ros2: str | None, graph: GraphOptions
 ) -> None:
     """Run the ROS master, parameter server and log collector, like roscore.
@@ -76,17 +76,13 @@ def core(
             )
         if port is not None or listen is not None or graph.allow or limits:
             raise click.UsageError("with --ros2, the router accepts only --zenoh-connect and --zenoh-listen")
-        run(_serve_router(graph.zenoh), is_service=True)
+        await _serve_router(graph.zenoh)
         return
     graph.refuse_unused()
-    environment = read_environment(graph, listen)
-    environment = environment.limited(read_graph_limits(limits))
-    run(_serve(environment, environment.master.port if port is None else port), is_service=True)
-
-
-async def _serve(environment: RosEnvironment, port: int) -> None:
     from rostether.ros1.roscore import Roscore
 
+    environment = read_environment(graph, listen).limited(read_graph_limits(limits))
+    port = environment.master.port if port is None else port
     try:
         roscore = await Roscore.start(environment, port=port)
     except GraphError:

@@ -14,7 +14,6 @@ from rostether.cli.access.options import ADDRESS_HINTS, msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import NumberRange, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_finding, warn, write_json, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.transports.address_parser import parse_address
 
@@ -59,7 +58,7 @@ if TYPE_CHECKING:
 )
 @msg_path_option
 @json_option
-def doctor(
+async def doctor(
     port: str | None,
     seconds: float | None,
     ros2: str | None,
@@ -82,7 +81,7 @@ def doctor(
         from rostether.cli.platform.fleet_options import fleet_settings
 
         settings = fleet_settings(key_file=key_file, interfaces=interfaces)
-        return run(examine_fleet(settings, seconds or 1.0, as_json=as_json))
+        return await examine_fleet(settings, seconds or 1.0, as_json=as_json)
     if key_file is not None or interfaces:
         raise click.UsageError("--key-file and --interface need --fleet")
     if ros2 is not None:
@@ -90,8 +89,8 @@ def doctor(
             raise click.UsageError("with --ros2, doctor examines no board; omit PORT and --duration")
         from rostether.cli.bridge.ros2_doctor import examine_ros2
 
-        return EXIT_DONE if run(examine_ros2(ros2, as_json=as_json)) else EXIT_FAILED
-    return run(_doctor(port, seconds, msg_paths, as_json))
+        return EXIT_DONE if await examine_ros2(ros2, as_json=as_json) else EXIT_FAILED
+    return await _doctor(port, seconds, msg_paths, as_json)
 
 
 async def _doctor(port: str | None, seconds: float | None, msg_paths: Sequence[Path], as_json: bool) -> int:

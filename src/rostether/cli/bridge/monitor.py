@@ -18,7 +18,6 @@ from rostether.cli.bridge.monitor_table import table
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, shows_live, warn, write_json, write_line
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.text import counted
@@ -50,7 +49,7 @@ NOTHING = (
 @add_flag("--once", "Print one table and exit (the default without a terminal).")
 @json_option
 @graph_options(allow=True)
-def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
+async def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
     """Monitor the boards of all bridges on the graph, with their topics and problems.
 
     UP is the time since the board connected. IN/s and OUT/s are bytes per second. DROPS counts messages lost
@@ -59,13 +58,8 @@ def monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
     subscribes to, => a service it offers, <= one it calls. The data comes from /diagnostics, which
     `rostether serve` publishes.
     """
-    is_terminal = shows_live()
-    return run(_monitor(once or not (is_terminal or as_json), as_json, graph))
-
-
-async def _monitor(once: bool, as_json: bool, graph: GraphOptions) -> int:
     async with joined_either(graph, purpose="monitor") as (node, graph_name):
-        if once:
+        if once or not (shows_live() or as_json):
             return await _print_once(node, as_json)
         if as_json:
             await listen(node, _write_status)

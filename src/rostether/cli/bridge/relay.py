@@ -18,7 +18,6 @@ from rostether.cli.access.ros1_access import master_client, read_environment, ro
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import check_master, native_session, used_master
 from rostether.cli.shell.option_group import PORT, argument, option, option_group
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import UnknownTypeError
 from rostether.graph.ports import Level
@@ -93,12 +92,13 @@ class RelayOptions:
     rostether relay --action /move_base --msg-path ~/my_msgs
     rostether relay --to-ros1 /clock                     /clock and /rosout need their full names
     """,
+    is_service=True,
 )
 @option_group("options", RelayOptions)
 @graph_options(served=True)
 @listen_option
 @msg_path_option
-def relay(
+async def relay(
     options: RelayOptions, listen: str | None, msg_paths: tuple[Path, ...], graph: GraphOptions
 ) -> None:
     """Relay topics, services and actions between ROS 1 and ROS 2.
@@ -114,16 +114,9 @@ def relay(
     environment = read_environment(graph, listen)
     # A relay always uses both graphs.
     both = replace(graph, ros2=graph.ros2 or installed_middleware())
-    run(
-        relay_between(
-            environment,
-            both,
-            choice,
-            ConsoleReporter().report,
-            master_port=options.master_port,
-            msg_paths=msg_paths,
-        ),
-        is_service=True,
+    report = ConsoleReporter().report
+    await relay_between(
+        environment, both, choice, report, master_port=options.master_port, msg_paths=msg_paths
     )
 
 
@@ -136,15 +129,10 @@ async def relay_between(
     master_port: int | None = None,
     msg_paths: Sequence[Path] = (),
 ) -> None:
-    """Relay until canceled. Raises GraphError, ConfigError, and UnknownTypeError for a service.
+    """Relay until canceled; `report` gets lines for the user.
 
-    Args:
-        environment: The ROS 1 environment.
-        graph: Both graphs.
-        choice: The topics, services and actions to relay.
-        report: Gets lines for the user.
-        master_port: The port of a new ROS 1 master, None for that of the environment's URI.
-        msg_paths: Folders with definitions.
+    Without `master_port`, a new ROS 1 master has the port of the environment's URI. Raises GraphError,
+    ConfigError, and UnknownTypeError for a service.
     """
     from rostether.relay.relay import Relay
     from rostether.relay.side import RelaySide
