@@ -30,17 +30,9 @@ class _Kind(Struct, frozen=True):
 
     group: str
     what: str
-    suffix: str
     example: str
     type_command: str
-
-    @property
-    def example_package(self) -> str:
-        return self.example.partition("/")[0]
-
-    @property
-    def short_example(self) -> str:
-        return self.example.partition("/")[2]
+    complete: Callable[..., list[str]]
 
     def names(self, registry: Registry, package: str | None = None) -> list[str]:
         return registry.messages(package) if self.group == "msg" else registry.services(package)
@@ -64,8 +56,12 @@ class _Kind(Struct, frozen=True):
         return registry.service_type(name).md5sum
 
 
-_MESSAGES = _Kind("msg", "message", ".msg", "sensor_msgs/Range", "rostether topic type /ultrasound")
-_SERVICES = _Kind("srv", "service", ".srv", "std_srvs/SetBool", "rostether service type /set_led")
+_MESSAGES = _Kind(
+    "msg", "message", "sensor_msgs/Range", "rostether topic type /ultrasound", complete_message_types
+)
+_SERVICES = _Kind(
+    "srv", "service", "std_srvs/SetBool", "rostether service type /set_led", complete_service_types
+)
 
 
 def _group(kind: _Kind) -> click.Command:
@@ -144,7 +140,7 @@ def _type_argument(kind: _Kind, given: str | None) -> str:
                 f"stdin contains no {kind.what} type; write one, for example {kind.example}"
             )
         name = line.strip()
-    name = name.removesuffix(kind.suffix)
+    name = name.removesuffix(f".{kind.group}")
     if "::" in name or "." in name:
         raise click.UsageError(f"{name!r} is not a type name; write package/Name, e.g. {kind.example}")
     return name
@@ -171,20 +167,17 @@ def _matches(kind: _Kind, registry: Registry, name: str) -> list[str]:
     return found
 
 
-def _complete(kind: _Kind) -> Callable[..., list[str]]:
-    return complete_message_types if kind is _MESSAGES else complete_service_types
-
-
 def _show_verb(kind: _Kind) -> click.Command:
+    package, _, name_alone = kind.example.partition("/")
     examples = f"""
     rostether {kind.group} show {kind.example}
-    rostether {kind.group} show {kind.short_example}
+    rostether {kind.group} show {name_alone}
     {kind.type_command} | rostether {kind.group} show
-    rostether {kind.group} show --ros2 {kind.example_package}/{kind.group}/{kind.short_example}
+    rostether {kind.group} show --ros2 {package}/{kind.group}/{name_alone}
     """
 
     @verb("show", examples)
-    @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
+    @click.argument("name", required=False, metavar="TYPE", shell_complete=kind.complete)
     @bag_option(kind.group)
     @add_flag("-r --raw", "Show the original text of the definition.")
     @json_option
@@ -223,7 +216,7 @@ def _show_verb(kind: _Kind) -> click.Command:
 
 def _md5_verb(kind: _Kind) -> click.Command:
     @verb("md5", f"rostether {kind.group} md5 {kind.example}")
-    @click.argument("name", required=False, metavar="TYPE", shell_complete=_complete(kind))
+    @click.argument("name", required=False, metavar="TYPE", shell_complete=kind.complete)
     @msg_path_option
     @graph_options(master=False)
     def md5(name: str | None, msg_paths: tuple[Path, ...], graph: GraphOptions) -> None:
@@ -255,7 +248,7 @@ def _list_verb(kind: _Kind) -> click.Command:
 
 
 def _package_verb(kind: _Kind) -> click.Command:
-    @verb("package", f"rostether {kind.group} package {kind.example_package}")
+    @verb("package", f"rostether {kind.group} package {kind.example.partition('/')[0]}")
     @click.argument("package")
     @add_flag("-s single_line", "Print the names on one line.")
     @msg_path_option
