@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Coroutine
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,6 @@ from rostether.cli.access.ros1_access import master_client, read_environment, re
 from rostether.cli.param.options import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.input import read_bytes, read_text
 from rostether.cli.shell.output import warn, write_file, write_json, write_line, write_result
-from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, InvalidNameError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import SEPARATOR, canonical, is_global
@@ -25,25 +25,32 @@ if TYPE_CHECKING:
 
 
 class Ros1Params:
-    """The parameters of a ROS 1 graph; each method is a whole command."""
+    """The parameters of a ROS 1 graph; each method is a whole command.
+
+    Methods that read a file do so before they return a coroutine: Ctrl-C immediately ends a read from a
+    terminal only outside the event loop.
+    """
 
     def __init__(self, graph: GraphOptions) -> None:
         self._environment = read_environment(graph)
 
-    def list_params(self, wanted: ParamListing) -> None:
+    async def list_params(self, wanted: ParamListing) -> None:
         """Print the names of all parameters, or of those in a namespace."""
         refuse_ros2_only(
             with_hidden=wanted.with_hidden, with_types=wanted.with_types, prefixes=wanted.prefixes
         )
-        for name in run(_names_below(self._environment, wanted.namespace)):
+        prefix = param_name(wanted.namespace, self._environment).rstrip("/") + "/"
+        async with master_client(self._environment) as client:
+            names = sorted(name for name in await client.param_names() if name.startswith(prefix))
+        for name in names:
             write_result({"name": name}, escape_line(name), as_json=wanted.as_json)
 
-    def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
+    async def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
         """Print a parameter, or all parameters of a namespace, in YAML."""
         refuse_ros2_only(parameter=parameter, hide_type=options.hide_type)
         from rostether.param_yaml import DOCUMENT_END, dump, pretty_lines
 
-        full_name, value = run(_fetch(self._environment, name))
+        full_name, value = await _fetch(self._environment, name)
         if options.verbose:
             write_line(f"getting parameter [{full_name}]")
         if options.as_json:
@@ -59,7 +66,7 @@ class Ros1Params:
             # As in rosparam: a value without its own document end is followed by an empty line.
             write_line(dump(value).removesuffix(f"\n{DOCUMENT_END}"))
 
-    def set_param(self, words: tuple[str, ...], options: SetOptions) -> None:
+    def set_param(self, words: tuple[str, ...], options: SetOptions) -> Coroutine[Any, Any, None]:
         """Set a parameter to a value in YAML, or to the content of a file."""
         name, *values = words
         refuse_ros2_only(more=values[1:])
@@ -83,41 +90,44 @@ class Ros1Params:
                 warn(
                     f"WARNING: {values[0]} is text in YAML; an exponent needs a dot and a sign, as in 1.0e-3"
                 )
-        run(_store(self._environment, [(name, content)], verbose=options.verbose))
+        return _store(self._environment, [(name, content)], verbose=options.verbose)
 
-    def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
+    async def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
         """Delete a parameter, or all parameters of a namespace."""
         refuse_ros2_only(parameter=parameter)
-        full_name = run(_delete(self._environment, name))
+        full_name = param_name(name, self._environment)
+        async with master_client(self._environment) as client:
+            if full_name == "/":
+                # The root always has a value: deleting it means emptying it.
+                await client.set_param("/", {})
+            else:
+                try:
+                    await client.delete_param(full_name)
+                except UnknownNameError:
+                    raise await not_set(client, full_name) from None
         if verbose:
             write_line(
                 "deleted ENTIRE parameter server" if full_name == "/" else f"deleted parameter [{full_name}]"
             )
 
-    def dump(self, file: Path | None, namespace: str, /, *, verbose: bool) -> None:
+    async def dump(self, file: Path | None, namespace: str, /, *, verbose: bool) -> None:
         """Write parameters to a YAML file; without a file, or with -, to stdout."""
         from rostether.param_yaml import dump
 
         if verbose:
             write_line(f"dumping namespace [{namespace}] to file [{file}]")
-        text = dump(run(_fetch(self._environment, namespace))[1])
+        text = dump((await _fetch(self._environment, namespace))[1])
         if file is None or str(file) == "-":
             write_line(text.removesuffix("\n"))
         else:
             write_file(file, text)
 
-    def load(self, file: Path, namespace: str, /, *, verbose: bool) -> None:
+    def load(self, file: Path, namespace: str, /, *, verbose: bool) -> Coroutine[Any, Any, None]:
         """Set the parameters of a YAML file (- is stdin), in a namespace if one is given."""
         from rostether.param_yaml import parse_documents
 
-        text = read_text(file)
-        run(_store(self._environment, list(parse_documents(text, namespace, str(file))), verbose=verbose))
-
-
-async def _names_below(environment: RosEnvironment, namespace: str) -> list[str]:
-    prefix = param_name(namespace, environment).rstrip("/") + "/"
-    async with master_client(environment) as client:
-        return sorted(name for name in await client.param_names() if name.startswith(prefix))
+        values = list(parse_documents(read_text(file), namespace, str(file)))
+        return _store(self._environment, values, verbose=verbose)
 
 
 async def _fetch(environment: RosEnvironment, name: str) -> tuple[str, Any]:
@@ -127,20 +137,6 @@ async def _fetch(environment: RosEnvironment, name: str) -> tuple[str, Any]:
             return full_name, await client.get_param(full_name)
         except UnknownNameError:
             raise await not_set(client, full_name) from None
-
-
-async def _delete(environment: RosEnvironment, name: str) -> str:
-    full_name = param_name(name, environment)
-    async with master_client(environment) as client:
-        if full_name == "/":
-            # The root always has a value: deleting it means emptying it.
-            await client.set_param("/", {})
-            return full_name
-        try:
-            await client.delete_param(full_name)
-        except UnknownNameError:
-            raise await not_set(client, full_name) from None
-    return full_name
 
 
 async def _store(environment: RosEnvironment, values: list[tuple[str, Any]], *, verbose: bool) -> None:

@@ -19,7 +19,6 @@ from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.node.ros2_nodes import full_node_name
 from rostether.cli.param.options import GetOptions, ParamListing, SetOptions
 from rostether.cli.shell.output import warn, write_json, write_line
-from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import is_hidden
@@ -56,17 +55,17 @@ def _nodes_with_parameters(view: GraphView) -> list[str]:
     return [name.removesuffix(_LIST_SERVICE) for name in services if name.endswith(_LIST_SERVICE)]
 
 
-def _asked_of(graph: GraphOptions, node: str, question: Callable[[ParameterClient], Awaitable[T]]) -> T:
+async def _asked_of(graph: GraphOptions, node: str, question: Callable[[ParameterClient], Awaitable[T]]) -> T:
     from rostether.ros2.parameters.client import ParameterClient
 
     async def ask(tool: ToolNode) -> T:
         await _find_node(tool, node)
         return await question(ParameterClient(tool.graph.raw))
 
-    return run(asked(graph, ask))
+    return await asked(graph, ask)
 
 
-def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str, str]:
+async def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str, str]:
     """Return the node and the parameter that are given as two words or one. Raises UnknownNameError."""
     if parameter is not None:
         return full_node_name(name), parameter
@@ -76,7 +75,7 @@ def _located(graph: GraphOptions, name: str, parameter: str | None) -> tuple[str
         above = [node for node in _nodes_with_parameters(view) if full_name.startswith(f"{node}/")]
         return max(above, key=len, default="")
 
-    node = owner(run(asked(graph, lambda tool: tool.snapshot_when(lambda view: bool(owner(view))))))
+    node = owner(await asked(graph, lambda tool: tool.snapshot_when(lambda view: bool(owner(view)))))
     if not node:
         raise UnknownNameError(f"no node has a parameter {full_name}; give NODE NAME, e.g. /board gain")
     return node, ".".join(name_parts(full_name[len(node) :]))
@@ -89,7 +88,7 @@ class Ros2Params:
         refuse_ros1_only(master=graph.master)
         self._graph = graph
 
-    def list_params(self, wanted: ParamListing) -> None:
+    async def list_params(self, wanted: ParamListing) -> None:
         """Print the names of the parameters of one node, or of all nodes."""
         from rostether.ros2.parameters.client import ParameterClient
 
@@ -118,7 +117,7 @@ class Ros2Params:
                 found[each] = {name: types.get(name, "") for name in names}
             return found
 
-        for owner, names in run(asked(self._graph, ask)).items():
+        for owner, names in (await asked(self._graph, ask)).items():
             if wanted.as_json:
                 for name, kind in names.items():
                     write_json({"node": owner, "name": name, **({"type": kind} if wanted.with_types else {})})
@@ -128,10 +127,10 @@ class Ros2Params:
             for name, kind in names.items():
                 write_line(escape_line(f"  {name} (type: {kind})" if wanted.with_types else f"  {name}"))
 
-    def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
+    async def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
         """Print a parameter with its type. Raises UnknownNameError."""
         refuse_ros1_only(pretty=options.pretty, verbose=options.verbose)
-        node, path = _located(self._graph, name, parameter)
+        node, path = await _located(self._graph, name, parameter)
 
         async def ask(client: ParameterClient) -> TypedValue:
             found = (await client.get(node, [path])).get(path, NOT_SET)
@@ -147,7 +146,7 @@ class Ros2Params:
                 raise UnknownNameError(f"Parameter not set: node {node} has no parameter {path}; {hint}")
             return found
 
-        value = _asked_of(self._graph, node, ask)
+        value = await _asked_of(self._graph, node, ask)
         if options.as_json:
             from rostether.serde.plain_form import base64_text, plain_value
 
@@ -160,11 +159,11 @@ class Ros2Params:
                 f"{word} value{'s are' if isinstance(value.value, list | bytes) else ' is'}: {_shown(value)}"
             )
 
-    def set_param(self, words: tuple[str, ...], options: SetOptions) -> None:
+    async def set_param(self, words: tuple[str, ...], options: SetOptions) -> None:
         """Set the parameters of NODE NAME VALUE [NAME VALUE]..., or of one full name and its value."""
         refuse_ros1_only(textfile=options.textfile, binfile=options.binfile, verbose=options.verbose)
         if len(words) == 2:
-            node, path = _located(self._graph, words[0], None)
+            node, path = await _located(self._graph, words[0], None)
             pairs = [(path, words[1])]
         elif len(words) % 2:
             node, pairs = full_node_name(words[0]), list(zip(words[1::2], words[2::2], strict=True))
@@ -172,26 +171,26 @@ class Ros2Params:
             raise click.UsageError("give NODE NAME VALUE; more pairs of NAME VALUE may follow")
         values = {name: parse_value(name, text) for name, text in pairs}
         for name, value in values.items():
-            _set(self._graph, node, {name: value}, "Setting")
+            await _set(self._graph, node, {name: value}, "Setting")
             write_line(
                 escape_line(f"{name}: Set parameter successful")
                 if len(values) > 1
                 else "Set parameter successful"
             )
 
-    def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
+    async def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
         """Delete a parameter. Raises GraphError with the node's reason."""
         refuse_ros1_only(verbose=verbose)
-        node, path = _located(self._graph, name, parameter)
-        _set(self._graph, node, {path: NOT_SET}, "Deleting")
+        node, path = await _located(self._graph, name, parameter)
+        await _set(self._graph, node, {path: NOT_SET}, "Deleting")
         write_line("Deleted parameter successfully")
 
-    def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
+    async def describe(self, node: str, names: tuple[str, ...], *, as_json: bool) -> None:
         """Print a node's descriptions of its parameters."""
         from rostether.serde.plain_form import to_plain
 
         owner = full_node_name(node)
-        for each in _asked_of(self._graph, owner, lambda client: client.describe(owner, names)):
+        for each in await _asked_of(self._graph, owner, lambda client: client.describe(owner, names)):
             if as_json:
                 write_json({"node": owner, **to_plain(each)})
                 continue
@@ -209,7 +208,7 @@ class Ros2Params:
             for line in lines:
                 write_line(escape_line(line))
 
-    def dump(self, node: Path | None, namespace: str, /, *, verbose: bool) -> None:
+    async def dump(self, node: Path | None, namespace: str, /, *, verbose: bool) -> None:
         """Print all parameters of a node as a file for `--params-file` and `param load`."""
         import yaml
 
@@ -223,7 +222,7 @@ class Ros2Params:
             return await client.get(owner, sorted(names)) if names else {}
 
         tree: dict[str, Any] = {}
-        for name, value in _asked_of(self._graph, owner, ask).items():
+        for name, value in (await _asked_of(self._graph, owner, ask)).items():
             branch, key = tree, name
             while "." in key:
                 part, _, below = key.partition(".")
@@ -235,7 +234,7 @@ class Ros2Params:
             branch[key] = list(value.value) if isinstance(value.value, bytes) else value.value
         write_line(yaml.safe_dump({owner: {"ros__parameters": tree}}, default_flow_style=False))
 
-    def load(self, node: Path, file: str, /, *, verbose: bool) -> None:
+    async def load(self, node: Path, file: str, /, *, verbose: bool) -> None:
         """Set the parameters that a file has for a node. Raises ConfigError, GraphError."""
         from rostether.ros2.parameters.parameter_file import read_parameter_files
 
@@ -260,7 +259,7 @@ class Ros2Params:
                     warn(escape_line(f"Set parameter {name} failed: {error}"))
             return failed
 
-        failed = _asked_of(self._graph, owner, ask)
+        failed = await _asked_of(self._graph, owner, ask)
         if failed:
             raise GraphError(f"{failed} of {len(values)} parameters could not be set")
 
@@ -306,9 +305,9 @@ def parse_value(name: str, text: str) -> TypedValue:
     return typed_value(name, text)
 
 
-def _set(graph: GraphOptions, node: str, values: dict[str, TypedValue], verb: str) -> None:
+async def _set(graph: GraphOptions, node: str, values: dict[str, TypedValue], verb: str) -> None:
     try:
-        _asked_of(graph, node, lambda client: client.set(node, values))
+        await _asked_of(graph, node, lambda client: client.set(node, values))
     except GraphError as error:
         if isinstance(error, UnknownNameError):
             raise

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Coroutine
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -36,9 +37,9 @@ def params_of(graph: GraphOptions) -> Ros1Params | Ros2Params:
 @verb("list", "rostether param list\nrostether param list /board")
 @option_group("wanted", ParamListing)
 @graph_options()
-def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
+async def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
     """List the names of all parameters, or of those in a namespace or, with --ros2, of a node."""
-    params_of(graph).list_params(wanted)
+    await params_of(graph).list_params(wanted)
 
 
 @verb("get", "rostether param get /rosdistro\nrostether param get -p /")
@@ -46,9 +47,9 @@ def list_params(wanted: ParamListing, graph: GraphOptions) -> None:
 @click.argument("parameter", metavar="[NAME]", required=False)
 @option_group("options", GetOptions)
 @graph_options()
-def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptions) -> None:
+async def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptions) -> None:
     """Print a parameter, or all parameters of a namespace, in YAML; with --ros2, give NODE NAME."""
-    params_of(graph).get(name, parameter, options)
+    await params_of(graph).get(name, parameter, options)
 
 
 @verb(
@@ -68,12 +69,12 @@ def get(name: str, parameter: str | None, options: GetOptions, graph: GraphOptio
 @graph_options()
 def set_param(
     name: str, value: str | None, more: tuple[str, ...], options: SetOptions, graph: GraphOptions
-) -> None:
+) -> Coroutine[Any, Any, None]:
     """Set a parameter to a value in YAML.
 
     A mapping sets only the parameters that it names. With --ros2, give NODE NAME VALUE.
     """
-    params_of(graph).set_param((name, *((value,) if value is not None else ()), *more), options)
+    return params_of(graph).set_param((name, *((value,) if value is not None else ()), *more), options)
 
 
 @verb("delete", "rostether param delete /blink_hz")
@@ -81,9 +82,9 @@ def set_param(
 @click.argument("parameter", metavar="[NAME]", required=False)
 @verbose_option
 @graph_options()
-def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions) -> None:
+async def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions) -> None:
     """Delete a parameter, or all parameters of a namespace; with --ros2, give NODE NAME."""
-    params_of(graph).delete(name, parameter, verbose=verbose)
+    await params_of(graph).delete(name, parameter, verbose=verbose)
 
 
 @verb("describe", "rostether param describe --ros2 /board gain")
@@ -91,7 +92,7 @@ def delete(name: str, parameter: str | None, verbose: bool, graph: GraphOptions)
 @click.argument("names", metavar="NAME...", nargs=-1, required=True)
 @json_option
 @graph_options()
-def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptions) -> None:
+async def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptions) -> None:
     """Show the type, the limits and the description of a ROS 2 node's parameters."""
     if graph.ros2 is None:
         raise click.UsageError(
@@ -99,7 +100,7 @@ def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptio
         )
     from rostether.cli.param.ros2_params import Ros2Params
 
-    Ros2Params(graph).describe(node, names, as_json=as_json)
+    await Ros2Params(graph).describe(node, names, as_json=as_json)
 
 
 @verb("dump", "rostether param dump settings.yaml\nrostether param dump - /board")
@@ -107,12 +108,12 @@ def describe(node: str, names: tuple[str, ...], as_json: bool, graph: GraphOptio
 @click.argument("namespace", default="")
 @verbose_option
 @graph_options()
-def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOptions) -> None:
+async def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOptions) -> None:
     """Write parameters to a YAML file; without a file, or with -, to stdout.
 
     With --ros2, give the node instead of the file; its parameters go to stdout.
     """
-    params_of(graph).dump(file, namespace, verbose=verbose)
+    await params_of(graph).dump(file, namespace, verbose=verbose)
 
 
 @verb("load", "rostether param load settings.yaml\nrostether param load settings.yaml /board")
@@ -120,9 +121,9 @@ def dump_params(file: Path | None, namespace: str, verbose: bool, graph: GraphOp
 @click.argument("namespace", default="")
 @verbose_option
 @graph_options()
-def load(file: Path, namespace: str, verbose: bool, graph: GraphOptions) -> None:
+def load(file: Path, namespace: str, verbose: bool, graph: GraphOptions) -> Coroutine[Any, Any, None]:
     """Set the parameters of a YAML file (- is stdin), in a namespace if one is given.
 
     With --ros2, give NODE FILE.
     """
-    params_of(graph).load(file, namespace, verbose=verbose)
+    return params_of(graph).load(file, namespace, verbose=verbose)
