@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Callable, Iterable, Sequence
-from contextlib import aclosing, asynccontextmanager
+from contextlib import AbstractAsyncContextManager, aclosing, asynccontextmanager
 from pathlib import Path
 from typing import Any
 
 from rostether.cli.access.graph_options import GraphOptions
+from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros1_access import joined, read_environment, resolve
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.topic.misfit_notice import shown_messages
@@ -93,14 +94,29 @@ class TopicMeter:
             write_line(f"{'Subscribed' if self.is_ros2 else 'subscribed'} to [{name}]")
 
 
+def topic_meter(
+    graph: GraphOptions,
+    topics: Iterable[str],
+    msg_paths: Iterable[Path] = (),
+    *,
+    quiet: bool,
+    needs_definitions: bool,
+) -> AbstractAsyncContextManager[TopicMeter]:
+    """Join the graph and wait for the topics; `quiet` omits the progress lines.
+
+    Without `needs_definitions`, a meter of ROS 2 only gets undecoded messages. Raises ConfigError,
+    InvalidNameError, GraphError, DefinitionError.
+    """
+    if graph.ros2 is None:
+        return _ros1_meter(graph, topics, msg_paths, quiet=quiet)
+    refuse_ros1_only(master=graph.master)
+    return _ros2_meter(graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)
+
+
 @asynccontextmanager
-async def ros1_meter(
+async def _ros1_meter(
     graph: GraphOptions, topics: Iterable[str], msg_paths: Iterable[Path], *, quiet: bool
 ) -> AsyncIterator[TopicMeter]:
-    """Join a ROS 1 graph and wait for the topics; `quiet` omits the progress lines.
-
-    Raises ConfigError, InvalidNameError, GraphError.
-    """
     environment = read_environment(graph)
     async with joined(graph, msg_paths, purpose="rostopic") as node:
         names = []
@@ -114,7 +130,7 @@ async def ros1_meter(
 
 
 @asynccontextmanager
-async def ros2_meter(
+async def _ros2_meter(
     graph: GraphOptions,
     topics: Iterable[str],
     msg_paths: Iterable[Path],
@@ -122,10 +138,6 @@ async def ros2_meter(
     quiet: bool,
     needs_definitions: bool,
 ) -> AsyncIterator[TopicMeter]:
-    """Join a ROS 2 graph and wait for the topics; `quiet` omits the progress lines.
-
-    Raises ConfigError, InvalidNameError, GraphError, DefinitionError.
-    """
     from rostether.cli.access.ros2_tool_node import tool_node
     from rostether.cli.topic.ros2_chosen_topic import choose_ros2_topic
 

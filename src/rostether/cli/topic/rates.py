@@ -25,7 +25,7 @@ from rostether.cli.shell.option_group import (
 )
 from rostether.cli.shell.output import json_option, write_json, write_line, write_result
 from rostether.cli.shell.verbs import verb
-from rostether.cli.topic.verbs import topics_of
+from rostether.cli.topic.meter import topic_meter
 from rostether.graph.message_windows import (
     DEFAULT_BANDWIDTH_WINDOW,
     DelayWindow,
@@ -83,8 +83,8 @@ async def hz(
 
         test = compile_filter(expression)
 
-    meter = topics_of(graph).meter(
-        topics, options.msg_paths, quiet=options.as_json, needs_definitions=test is not None
+    meter = topic_meter(
+        graph, topics, options.msg_paths, quiet=options.as_json, needs_definitions=test is not None
     )
     async with meter as measuring:
         windows = {name: IntervalWindow(options.window) for name in measuring.names}
@@ -139,7 +139,7 @@ async def bw(topic: str, window: int, count: int | None, as_json: bool, graph: G
     """Measure the bandwidth of a topic and print it every second."""
     sizes = SizeWindow(window)
 
-    async with topics_of(graph).meter((topic,), (), quiet=as_json, needs_definitions=False) as measuring:
+    async with topic_meter(graph, (topic,), quiet=as_json, needs_definitions=False) as measuring:
         name = measuring.names[0]
 
         def add(payloads: Sequence[bytes]) -> None:
@@ -164,7 +164,7 @@ async def delay(topic: str, options: MeterOptions, graph: GraphOptions) -> None:
     """Measure the age of messages on arrival, from the stamp in their header."""
     delays = DelayWindow(options.window)
 
-    meter = topics_of(graph).meter((topic,), options.msg_paths, quiet=options.as_json, needs_definitions=True)
+    meter = topic_meter(graph, (topic,), options.msg_paths, quiet=options.as_json, needs_definitions=True)
     async with meter as measuring:
         name = measuring.names[0]
 

@@ -6,8 +6,7 @@ import asyncio
 import sys
 import time
 from collections.abc import AsyncIterator, Callable
-from contextlib import AbstractAsyncContextManager, suppress
-from pathlib import Path
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import click
@@ -26,7 +25,6 @@ from rostether.msgdef.interface import ANY_TYPE
 from rostether.rostime import Time
 
 if TYPE_CHECKING:
-    from rostether.cli.topic.meter import TopicMeter
     from rostether.graph.typed_graph import TypedGraph
     from rostether.graph.typed_handles import TypedPublisher
     from rostether.serde.codec import Codec
@@ -99,14 +97,6 @@ class Ros1Topics(Ros1TopicListing):
                     await output.repeat(lambda: fill_message(codec, given, now=now), options.rate_hz)
                 else:
                     await output.repeat(lambda: first, options.rate_hz)
-
-    def meter(
-        self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
-    ) -> AbstractAsyncContextManager[TopicMeter]:
-        """Join the graph and wait for the topics; `quiet` omits the progress lines."""
-        from rostether.cli.topic.meter import ros1_meter
-
-        return ros1_meter(self._graph, topics, msg_paths, quiet=quiet)
 
 
 async def _check_type(graph: TypedGraph, topic: str, codec: Codec) -> None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import time
-from contextlib import AbstractAsyncContextManager
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -27,7 +25,6 @@ from rostether.ros2.types.native_registry import short_name
 
 if TYPE_CHECKING:
     from rostether.cli.access.ros2_tool_node import ToolNode
-    from rostether.cli.topic.meter import TopicMeter
     from rostether.graph.typed_handles import TypedPublisher
 
 # As in `ros2 topic pub`: the rate without -r, and the interval of the lines about missing subscribers.
@@ -117,17 +114,6 @@ class Ros2Topics(Ros2TopicListing):
                 await asyncio.wait({leaving}, timeout=max(due_s - time.monotonic(), 0.0))
             await publisher.drained(ACKNOWLEDGE_S)
             await asyncio.sleep(KEEP_ALIVE_S)
-
-    def meter(
-        self, topics: tuple[str, ...], msg_paths: tuple[Path, ...], *, quiet: bool, needs_definitions: bool
-    ) -> AbstractAsyncContextManager[TopicMeter]:
-        """Join the graph and wait for the topics; `quiet` omits the progress lines.
-
-        Without `needs_definitions`, the meter only gets undecoded messages.
-        """
-        from rostether.cli.topic.meter import ros2_meter
-
-        return ros2_meter(self._graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)
 
 
 async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, options: PubOptions) -> None:
