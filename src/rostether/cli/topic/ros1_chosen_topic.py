@@ -15,10 +15,12 @@ from rostether.cli.access.ros1_access import master_client, resolve
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError, DefinitionError, GraphError, UnknownNameError
 from rostether.graph.joint_marks import is_mark
+from rostether.graph.ports import TopicEntry
 from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.text import unpublished_warning
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.graph_view import take_snapshot
 from rostether.ros1.node.master_client import MasterClient
 from rostether.serde.field_path import FieldPath
 
@@ -26,35 +28,20 @@ if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
 
-UNKNOWN_TYPE = "unknown type"
 # The interval at which the master is asked for a topic that does not exist yet, as in rostopic.
 POLL_S = 0.1
 
 
-class TopicView(Struct, frozen=True):
-    """One topic; `type` is "unknown type" until a publisher or subscriber has registered one."""
-
-    name: str
-    type: str
-    publishers: list[str]
-    subscribers: list[str]
-
-    @property
-    def known_type(self) -> str | None:
-        """The type, None while it is unknown."""
-        return None if self.type in (UNKNOWN_TYPE, ANY_TYPE) else self.type
+def known_type(topic: TopicEntry) -> str | None:
+    """Return a topic's type, None until a publisher or subscriber has registered one."""
+    return None if topic.type == ANY_TYPE else topic.type
 
 
-async def fetch_topics(environment: RosEnvironment) -> list[TopicView]:
+async def fetch_topics(environment: RosEnvironment) -> list[TopicEntry]:
     """Return all topics that can carry messages, sorted by name. Raises MasterUnreachableError."""
     async with master_client(environment) as client:
-        publishers, subscribers, _ = await client.system_state()
-        types = await client.topic_types()
-    return [
-        TopicView(name, types.get(name, UNKNOWN_TYPE), publishers.get(name, []), subscribers.get(name, []))
-        for name in sorted(publishers.keys() | subscribers.keys())
-        if not is_mark(name)
-    ]
+        snapshot = await take_snapshot(client)
+    return [topic for name, topic in snapshot.topics.items() if not is_mark(name)]
 
 
 async def node_uris(client: MasterClient, nodes: Iterable[str]) -> dict[str, str | None]:
@@ -82,12 +69,12 @@ def resolve_with_field(text: str, environment: RosEnvironment) -> str:
     return resolve(name, environment) + bracket + indices
 
 
-def choose_topic(name: str, topics: Sequence[TopicView], store: TypeStore) -> ChosenTopic | None:
+def choose_topic(name: str, topics: Sequence[TopicEntry], store: TypeStore) -> ChosenTopic | None:
     """Return the topic of a full name, else the longest topic that has the rest of the name as a field.
 
     None if there is no such topic, or if its type is not known yet.
     """
-    known = {topic.name: topic.type for topic in topics if topic.known_type is not None}
+    known = {topic.name: topic.type for topic in topics if known_type(topic) is not None}
     name = name.rstrip("/") or "/"
     if name in known:
         return ChosenTopic(name, known[name], "")
@@ -121,16 +108,16 @@ async def wait_for_topic(name: str, graph: TypedGraph, environment: RosEnvironme
             if not is_reported:
                 is_reported = True
                 _refuse_wrong_field(name, topics, graph.store)
-                names = [topic.name for topic in topics if topic.known_type is not None]
+                names = [topic.name for topic in topics if known_type(topic) is not None]
                 warn(unpublished_warning(name, names))
             await asyncio.wait({leaving}, timeout=POLL_S)
     raise GraphError(f"the node was shut down before topic {name} was published")
 
 
-def _refuse_wrong_field(name: str, topics: Sequence[TopicView], store: TypeStore) -> None:
+def _refuse_wrong_field(name: str, topics: Sequence[TopicEntry], store: TypeStore) -> None:
     """Raise ConfigError for a field that the messages of a topic do not have."""
     for topic in topics:
-        if topic.known_type is None or not name.startswith(f"{topic.name}/"):
+        if known_type(topic) is None or not name.startswith(f"{topic.name}/"):
             continue
         if any(each.name.startswith(f"{topic.name}/") for each in topics):
             # The typed name may be that of a topic below this one that does not exist yet.

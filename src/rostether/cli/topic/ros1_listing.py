@@ -12,13 +12,14 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.own_command import called_as
 from rostether.cli.topic.options import TopicListing
 from rostether.cli.topic.ros1_chosen_topic import (
-    TopicView,
     choose_topic,
     fetch_topics,
+    known_type,
     node_uris,
     resolve_with_field,
 )
 from rostether.errors import UnknownNameError
+from rostether.graph.ports import TopicEntry
 from rostether.mechanisms.text import counted, escape_line, unknown_topic
 from rostether.names.graph_name import is_in_namespace
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
@@ -46,7 +47,7 @@ class Ros1TopicListing:
                 write_json(
                     {
                         "topic": topic.name,
-                        "type": topic.known_type,
+                        "type": known_type(topic),
                         "publishers": topic.publishers,
                         "subscribers": topic.subscribers,
                     }
@@ -55,7 +56,7 @@ class Ros1TopicListing:
             write_line(str(len(topics)))
         elif wanted.show_types and not wanted.verbose:
             for topic in topics:
-                write_line(f"{topic.name} [{topic.type}]")
+                write_line(f"{topic.name} [{_shown_type(topic)}]")
         elif wanted.by_host:
             for host, found in (await _by_host(topics, environment)).items():
                 write_line(f"Host [{host}]:")
@@ -71,13 +72,13 @@ class Ros1TopicListing:
             write_json(
                 {
                     "topic": view.name,
-                    "type": view.known_type,
+                    "type": known_type(view),
                     "publishers": [{"node": node, "uri": uris[node]} for node in view.publishers],
                     "subscribers": [{"node": node, "uri": uris[node]} for node in view.subscribers],
                 }
             )
             return
-        write_line(f"Type: {view.type}\n")
+        write_line(f"Type: {_shown_type(view)}\n")
         for title, nodes in (("Publishers", view.publishers), ("Subscribers", view.subscribers)):
             write_line(f"{title}: " if nodes else f"{title}: None")
             for node in nodes:
@@ -113,7 +114,11 @@ class Ros1TopicListing:
             write_line()
 
 
-def _write_list(topics: Iterable[TopicView], wanted: TopicListing, indent: str) -> None:
+def _shown_type(topic: TopicEntry) -> str:
+    return known_type(topic) or "unknown type"
+
+
+def _write_list(topics: Iterable[TopicEntry], wanted: TopicListing, indent: str) -> None:
     if not wanted.verbose:
         write_line("\n".join(indent + topic.name for topic in topics))
         return
@@ -128,29 +133,29 @@ def _write_list(topics: Iterable[TopicView], wanted: TopicListing, indent: str) 
     write_line()
 
 
-def _write_count(topic: TopicView, count: int, what: str, indent: str) -> None:
+def _write_count(topic: TopicEntry, count: int, what: str, indent: str) -> None:
     if count:
-        write_line(f"{indent} * {topic.name} [{topic.type}] {counted(count, what)}")
+        write_line(f"{indent} * {topic.name} [{_shown_type(topic)}] {counted(count, what)}")
 
 
-async def _by_host(topics: list[TopicView], environment: RosEnvironment) -> dict[str, list[TopicView]]:
+async def _by_host(topics: list[TopicEntry], environment: RosEnvironment) -> dict[str, list[TopicEntry]]:
     async with master_client(environment) as client:
         uris = await node_uris(
             client, {node for topic in topics for node in [*topic.publishers, *topic.subscribers]}
         )
     hosts = {node: parse_rpc_uri(uri).host for node, uri in uris.items() if uri is not None}
-    grouped: dict[str, list[TopicView]] = {}
+    grouped: dict[str, list[TopicEntry]] = {}
     for host in sorted(set(hosts.values())):
         for topic in topics:
-            publishers = [node for node in topic.publishers if hosts.get(node) == host]
-            subscribers = [node for node in topic.subscribers if hosts.get(node) == host]
+            publishers = tuple(node for node in topic.publishers if hosts.get(node) == host)
+            subscribers = tuple(node for node in topic.subscribers if hosts.get(node) == host)
             if publishers or subscribers:
-                view = TopicView(topic.name, topic.type, publishers, subscribers)
-                grouped.setdefault(host, []).append(view)
+                found = TopicEntry(topic.name, topic.type, publishers, subscribers)
+                grouped.setdefault(host, []).append(found)
     return grouped
 
 
-async def _fetch_one(topic: str, environment: RosEnvironment) -> tuple[TopicView, dict[str, str | None]]:
+async def _fetch_one(topic: str, environment: RosEnvironment) -> tuple[TopicEntry, dict[str, str | None]]:
     name = resolve(topic, environment)
     views = await fetch_topics(environment)
     for view in views:

@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 
 from rostether.cli.shell.own_command import CALLED_AS_VARIABLE
-from rostether.cli.topic.ros1_chosen_topic import TopicView, choose_topic
+from rostether.cli.topic.ros1_chosen_topic import choose_topic
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark
+from rostether.graph.ports import TopicEntry
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry
 from rostether.ros1.node.node import Ros1Graph
@@ -130,10 +131,10 @@ def test_without_a_master_the_next_step_is_named(shell: Shell) -> None:
 )
 def test_what_a_name_means(name: str, topic: str, field: str) -> None:
     topics = [
-        TopicView("/scan", "sensor_msgs/LaserScan", ["/a"], []),
-        TopicView("/scan/header", "std_msgs/Header", ["/a"], []),
-        TopicView("/odd", "my_robot/Odd", ["/a"], []),
-        TopicView("/anything", "*", [], ["/a"]),
+        TopicEntry("/scan", "sensor_msgs/LaserScan", ("/a",), ()),
+        TopicEntry("/scan/header", "std_msgs/Header", ("/a",), ()),
+        TopicEntry("/odd", "my_robot/Odd", ("/a",), ()),
+        TopicEntry("/anything", "*", (), ("/a",)),
     ]
     chosen = choose_topic(name, topics, TypeStore(Registry()))
     assert (chosen.topic, chosen.field) == (topic, field) if chosen is not None else topic == ""
