@@ -45,12 +45,12 @@ def network_listeners(listening_on: Sequence[str]) -> list[TcpAddress]:
 
 @asynccontextmanager
 async def announced(
-    listening_on: Sequence[str], reporter: Reporter, *, is_on: bool, is_wanted: bool
+    listening_on: Sequence[str], reporter: Reporter, *, is_wanted: bool | None
 ) -> AsyncIterator[None]:
     """Announce the listeners that are reachable from the network, until the end of the block.
 
-    A failure is reported in one line, and serving continues. `is_on` is the result of `check_mdns`. If
-    --mdns was given (`is_wanted`), it is reported that there is nothing to announce.
+    A failure is reported in one line, and serving continues. If --mdns was given (`is_wanted`), it is also
+    reported that there is nothing to announce.
     """
     listeners = network_listeners(listening_on)
     if is_wanted and not listeners:
@@ -59,7 +59,7 @@ async def announced(
             "--mdns announces nothing: no TCP listener without TLS is reachable from the network; add "
             "--listen 0.0.0.0 tcp://:11411",
         )
-    if not is_on or not listeners:
+    if not listeners or not check_mdns(is_wanted=is_wanted):
         yield
         return
     announcements: list[ListenerAnnouncement] = []

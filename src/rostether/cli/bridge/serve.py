@@ -177,7 +177,7 @@ def serve(
     web_boards = read_web_boards(links, is_served=dashboard is not None, is_refused=options.no_web_boards)
     devices = read_devices(options.config, options.probes)
     discovers = options.discover or bool(options.probes) or not addresses
-    announces = check_mdns(is_wanted=options.mdns)
+    check_mdns(is_wanted=options.mdns)
     if options.verbose > 1:
         show_debug_records()
     reporter = ConsoleReporter(lowest=Level.DEBUG if options.verbose else Level.INFO)
@@ -187,9 +187,7 @@ def serve(
     dashboard_settings = (
         DashboardSettings(dashboard, access, boards=web_boards) if dashboard is not None else None
     )
-    serving_settings = _Settings(
-        links, devices, discovers, announces, access, dashboard_settings, bags, settings
-    )
+    serving_settings = _Settings(links, devices, discovers, access, dashboard_settings, bags, settings)
     return run(
         _serve(environment, graph, options, serving_settings, reporter),
         is_service=True,
@@ -209,7 +207,6 @@ class _Settings(Struct, frozen=True):
     links: Sequence[Address]
     devices: DeviceBook
     discovers: bool
-    announces: bool
     gateways: GatewayOptions
     dashboard: DashboardSettings | None
     bags: BagRecording | None
@@ -262,12 +259,7 @@ async def _serve(
             )
             async with (
                 serving(supervisor, opened, reporter),
-                announced(
-                    supervisor.listening_on,
-                    reporter,
-                    is_on=settings.announces,
-                    is_wanted=options.mdns is True,
-                ),
+                announced(supervisor.listening_on, reporter, is_wanted=options.mdns),
                 # Started last, so that an unreachable master does not delay the boards.
                 optional_gateways(settings.gateways, graphs, graph, msg_paths, reporter.report),
                 optional_dashboard(settings.dashboard, graphs, msg_paths, reporter.report),

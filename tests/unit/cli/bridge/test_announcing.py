@@ -28,10 +28,10 @@ def test_zeroconf_is_asked_for_only_when_it_is_wanted(monkeypatch: pytest.Monkey
 
 async def test_a_missing_listener_is_reported_only_with_the_option() -> None:
     reporter = RecordingReporter()
-    async with announced(["tcp://127.0.0.1:11411"], reporter, is_on=True, is_wanted=False):
+    async with announced(["tcp://127.0.0.1:11411"], reporter, is_wanted=None):
         pass
     assert reporter.texts == []
-    async with announced(["tcp://127.0.0.1:11411"], reporter, is_on=True, is_wanted=True):
+    async with announced(["tcp://127.0.0.1:11411"], reporter, is_wanted=True):
         pass
     assert len(reporter.having("--listen 0.0.0.0")) == 1
 
@@ -53,7 +53,7 @@ class FakeAnnouncement:
 async def test_listeners_are_announced_while_boards_are_served(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mdns, "ListenerAnnouncement", FakeAnnouncement)
     reporter = RecordingReporter()
-    async with announced(["tcp://0.0.0.0:1", "tcp://192.0.2.5:11411"], reporter, is_on=True, is_wanted=False):
+    async with announced(["tcp://0.0.0.0:1", "tcp://192.0.2.5:11411"], reporter, is_wanted=None):
         await until(lambda: reporter.having("Announced by mDNS"), "the announcement")
     assert FakeAnnouncement.closed == 1
     assert reporter.lines[0][:2] == (
