@@ -6,10 +6,23 @@ import errno
 import sys
 
 from rostether.bridge.findings.finding import Code, Finding, error, split_step
+from rostether.errors import ConfigError
 from rostether.transports.address_advice import WINDOWS_PORT, meant_port
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder
 from rostether.transports.serial_errors import permission_problem
+
+_OPEN_CODES = {
+    errno.ENOENT: Code.NO_PORT,
+    errno.ENXIO: Code.NO_PORT,
+    errno.ENODEV: Code.NO_PORT,
+    errno.EACCES: Code.NO_PERMISSION,
+    errno.EPERM: Code.NO_PERMISSION,
+    errno.EBUSY: Code.BUSY,
+    errno.ENOTTY: Code.NOT_A_PORT,
+    errno.EISDIR: Code.NOT_A_PORT,
+    errno.EINVAL: Code.NOT_A_PORT,
+}
 
 
 def port_findings(facts: PortFacts) -> list[Finding]:
@@ -31,24 +44,19 @@ def port_findings(facts: PortFacts) -> list[Finding]:
     return []
 
 
-def open_error_finding(facts: PortFacts, failure: BaseException) -> Finding:
+def open_error_finding(failure: BaseException) -> Finding:
     """Return why a port did not open; `failure` was raised from the system's error if there is one."""
-    reason = failure.__cause__ if isinstance(failure.__cause__, OSError) else failure
-    code = reason.errno if isinstance(reason, OSError) else None
-    if code in (errno.ENOENT, errno.ENXIO, errno.ENODEV):
-        return _no_port(facts)
-    if code in (errno.EACCES, errno.EPERM):
-        return error(Code.NO_PERMISSION, *permission_problem(facts.path, facts.group))
-    if code == errno.EBUSY:
-        return busy(facts.path, facts.holders)
-    if code in (errno.ENOTTY, errno.EISDIR, errno.EINVAL):
-        return error(Code.NOT_A_PORT, f"{facts.path} is not a serial port", "rostether ports lists all ports")
-    return cannot_open(failure)
+    reason = failure.__cause__
+    code = Code.CANNOT_OPEN
+    # The system reports an unsupported baud rate with the same number as a file that is not a port.
+    if isinstance(reason, OSError) and not isinstance(failure, ConfigError):
+        code = _OPEN_CODES.get(reason.errno or 0, code)
+    return cannot_open(failure, code)
 
 
-def cannot_open(failure: BaseException) -> Finding:
-    """Return the finding for any other failure, with the failure's text."""
-    return error(Code.CANNOT_OPEN, *split_step(str(failure), "check the address"))
+def cannot_open(failure: BaseException, code: Code = Code.CANNOT_OPEN) -> Finding:
+    """Return the finding for a link that did not open, with the failure's text."""
+    return error(code, *split_step(str(failure), "check the address"))
 
 
 def busy(port: str, holders: tuple[Holder, ...]) -> Finding:

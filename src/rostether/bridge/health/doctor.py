@@ -18,14 +18,13 @@ from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import cast
 
-from msgspec import Struct, field
+from msgspec import Struct
 from msgspec.structs import replace
 
 from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.findings.noise import show
 from rostether.bridge.findings.port import busy, cannot_open, open_error_finding, port_findings
-from rostether.bridge.health.diagnostics import BoardView
 from rostether.bridge.health.watching import WATCH_S, BoardObservations, watch_board
 from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
@@ -48,19 +47,12 @@ _STARTING_CODES = frozenset(
 
 
 class Diagnosis(Struct, frozen=True):
-    """The results for one address; `board` is None if none answered, else it was watched for `watched_s`.
-
-    `rates_hz` has the messages per second of each endpoint, by `role name`.
-    """
+    """The results for one address; `board` is None if none answered."""
 
     address: str
     findings: tuple[Finding, ...]
-    board: BoardView | None = None
+    board: BoardObservations | None = None
     baud: int | None = None
-    watched_s: float = 0.0
-    rates_hz: dict[str, float] = field(default_factory=dict)
-    clock_offset_s: float | None = None
-    clock_drift_ppm: float | None = None
 
     @property
     def is_ok(self) -> bool:
@@ -111,8 +103,7 @@ class Doctor:
         try:
             watched = await self._watch(await self._open(address), baud, address.pauses)
         except RostetherError as failure:
-            facts = await self._read_facts(address.path)
-            return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
+            return Diagnosis(str(address), (open_error_finding(failure),), baud=address.baud)
         if baud is None or not _needs_search(watched):
             return self._diagnosis(address, watched, baud)
         return await self._search(address, watched)
@@ -135,8 +126,7 @@ class Doctor:
             right = replace(address, baud=found.baud, reset=False)
             again = await self._watch(await self._open(right), right.baud)
         except TransportError as failure:
-            facts = await self._read_facts(address.path)
-            return Diagnosis(str(address), (open_error_finding(facts, failure),), baud=address.baud)
+            return Diagnosis(str(address), (open_error_finding(failure),), baud=address.baud)
         if found.baud == address.baud:
             # The board was in its bootloader, or disconnected, during the first check.
             return self._diagnosis(right, again, right.baud)
@@ -186,16 +176,7 @@ class Doctor:
 
     def _diagnosis(self, address: Address, watched: BoardObservations, baud: int | None = None) -> Diagnosis:
         has_answered = watched.view.protocol_version is not None
-        return Diagnosis(
-            str(address),
-            watched.findings,
-            board=watched.view if has_answered else None,
-            baud=baud,
-            watched_s=watched.watched_s,
-            rates_hz=watched.rates_hz,
-            clock_offset_s=watched.clock_offset_s,
-            clock_drift_ppm=watched.clock_drift_ppm,
-        )
+        return Diagnosis(str(address), watched.findings, watched if has_answered else None, baud)
 
 
 async def _read_facts(list_ports: ListPorts, path: str) -> PortFacts:

@@ -12,7 +12,7 @@ from rostether.bridge.board_node import BoardNode
 from rostether.bridge.findings.finding import Code, Finding, error, split_step
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.findings.noise import absence
-from rostether.bridge.health.diagnostics import BoardView, view_board
+from rostether.bridge.health.diagnostics import BoardView, EndpointView, view_board
 from rostether.bridge.reporter import SilentReporter
 from rostether.bridge.session import Session
 from rostether.errors import TransportError
@@ -36,14 +36,17 @@ _NODE = "/board"
 
 
 class BoardObservations(Struct, frozen=True):
-    """The observations of one board; rates are messages per second by `role name`."""
+    """The observations of one board, which was watched for `watched_s`."""
 
     findings: tuple[Finding, ...]
     view: BoardView
     watched_s: float
-    rates_hz: dict[str, float]
     clock_offset_s: float | None
     clock_drift_ppm: float | None
+
+    def rate_hz(self, endpoint: EndpointView) -> float:
+        """Return how many messages of an endpoint of `view` arrived per second."""
+        return endpoint.message_count / max(self.watched_s, _POLL_S)
 
 
 async def watch_board(
@@ -75,16 +78,11 @@ async def watch_board(
         elif alive_s is None and not findings:
             findings.append(absence(session.watch.noise, baud, watched_s))
         view = view_board(node, session)
-        rates_hz = {
-            f"{each.role} {each.name}": each.message_count / max(watched_s, _POLL_S)
-            for each in view.endpoints
-        }
         estimate = node.health.clock
         return BoardObservations(
             tuple(findings),
             view,
             watched_s,
-            rates_hz,
             estimate.offset_s(view.round_trip_s),
             estimate.drift_ppm,
         )

@@ -8,8 +8,9 @@ from msgspec import to_builtins
 
 from rostether.bridge.findings.finding import Finding, Severity
 from rostether.bridge.health.board_status import BoardStatus, EndpointStatus
-from rostether.bridge.health.diagnostics import BoardView, EndpointView
+from rostether.bridge.health.diagnostics import EndpointView
 from rostether.bridge.health.doctor import Diagnosis
+from rostether.bridge.health.watching import BoardObservations
 from rostether.mechanisms.text import counted
 
 _WORDS = {Severity.WARN: "warning", Severity.ERROR: "error"}
@@ -24,9 +25,9 @@ def lines_of(diagnosis: Diagnosis) -> Iterator[str]:
         yield f"    next: {finding.next_step}"
     board = diagnosis.board
     if board is not None:
-        yield f"  board: {_describe(diagnosis, board)}"
-        for endpoint in board.endpoints:
-            rate_hz = _rate_hz(diagnosis, endpoint) if endpoint.role == "publisher" else None
+        yield f"  board: {_describe(board)}"
+        for endpoint in board.view.endpoints:
+            rate_hz = board.rate_hz(endpoint) if endpoint.role == "publisher" else None
             yield f"    {_endpoint_text(endpoint, rate_hz)}"
     if diagnosis.is_ok:
         yield "  no problem found"
@@ -73,23 +74,24 @@ def board_record(diagnosis: Diagnosis) -> dict[str, object]:
     }
     board = diagnosis.board
     if board is not None:
+        view = board.view
         record["board"] = {
-            "peer": board.peer,
-            "protocol_version": board.protocol_version,
-            "is_settled": board.is_settled,
-            "watched_s": round(diagnosis.watched_s, 3),
-            "received_frames": board.received_frames,
-            "damaged_frames": board.damaged_frames,
-            "reset_count": board.reset_count,
-            "round_trip_ms": _scaled(board.round_trip_s, 1e3),
-            "clock_offset_ms": _scaled(diagnosis.clock_offset_s, 1e3),
-            "clock_drift_ppm": _scaled(diagnosis.clock_drift_ppm, 1),
-            "endpoints": [_endpoint_record(diagnosis, endpoint) for endpoint in board.endpoints],
+            "peer": view.peer,
+            "protocol_version": view.protocol_version,
+            "is_settled": view.is_settled,
+            "watched_s": round(board.watched_s, 3),
+            "received_frames": view.received_frames,
+            "damaged_frames": view.damaged_frames,
+            "reset_count": view.reset_count,
+            "round_trip_ms": _scaled(view.round_trip_s, 1e3),
+            "clock_offset_ms": _scaled(board.clock_offset_s, 1e3),
+            "clock_drift_ppm": _scaled(board.clock_drift_ppm, 1),
+            "endpoints": [_endpoint_record(board, endpoint) for endpoint in view.endpoints],
         }
     return record
 
 
-def _endpoint_record(diagnosis: Diagnosis, endpoint: EndpointView) -> dict[str, object]:
+def _endpoint_record(board: BoardObservations, endpoint: EndpointView) -> dict[str, object]:
     return {
         "role": endpoint.role,
         "name": endpoint.name,
@@ -97,29 +99,26 @@ def _endpoint_record(diagnosis: Diagnosis, endpoint: EndpointView) -> dict[str, 
         "topic_id": endpoint.topic_id,
         "buffer_bytes": endpoint.buffer_bytes,
         "message_count": endpoint.message_count,
-        "rate_hz": round(_rate_hz(diagnosis, endpoint), 3),
+        "rate_hz": round(board.rate_hz(endpoint), 3),
     }
 
 
-def _describe(diagnosis: Diagnosis, board: BoardView) -> str:
-    parts = [f"protocol version {board.protocol_version}", counted(board.received_frames, "frame")]
-    parts.append(f"{board.damaged_frames} damaged")
-    if board.round_trip_s is not None:
-        parts.append(f"round trip {board.round_trip_s * 1e3:.1f} ms")
-    if diagnosis.clock_offset_s is not None:
-        parts.append(f"clock {diagnosis.clock_offset_s * 1e3:+.1f} ms")
-    if diagnosis.clock_drift_ppm is not None:
-        parts.append(f"drift {diagnosis.clock_drift_ppm:+.0f} ppm")
-    return f"{', '.join(parts)}; watched for {diagnosis.watched_s:.0f} s"
+def _describe(board: BoardObservations) -> str:
+    view = board.view
+    parts = [f"protocol version {view.protocol_version}", counted(view.received_frames, "frame")]
+    parts.append(f"{view.damaged_frames} damaged")
+    if view.round_trip_s is not None:
+        parts.append(f"round trip {view.round_trip_s * 1e3:.1f} ms")
+    if board.clock_offset_s is not None:
+        parts.append(f"clock {board.clock_offset_s * 1e3:+.1f} ms")
+    if board.clock_drift_ppm is not None:
+        parts.append(f"drift {board.clock_drift_ppm:+.0f} ppm")
+    return f"{', '.join(parts)}; watched for {board.watched_s:.0f} s"
 
 
 def _endpoint_text(endpoint: EndpointView | EndpointStatus, rate_hz: float | None) -> str:
     rate = "" if rate_hz is None else f", {rate_hz:.1f} Hz"
     return f"{endpoint.role} {endpoint.name} [{endpoint.type}]{rate}"
-
-
-def _rate_hz(diagnosis: Diagnosis, endpoint: EndpointView) -> float:
-    return diagnosis.rates_hz.get(f"{endpoint.role} {endpoint.name}", 0.0)
 
 
 def _scaled(value: float | None, factor: float) -> float | None:

@@ -6,7 +6,7 @@ import pytest
 
 from rostether.bridge.findings.finding import Code
 from rostether.bridge.findings.port import open_error_finding, port_findings
-from rostether.errors import TransportOpenError
+from rostether.errors import ConfigError, TransportOpenError
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder
 
@@ -70,13 +70,20 @@ def test_no_port_at_all() -> None:
 def test_why_a_port_did_not_open(code: int, expected: Code) -> None:
     failure = TransportOpenError("cannot open it; do something")
     failure.__cause__ = OSError(code, "reason")
-    finding = open_error_finding(PortFacts(PORT), failure)
+    finding = open_error_finding(failure)
     assert finding.code is expected
     assert finding.next_step
 
 
+def test_an_unsupported_baud_rate_is_no_fault_of_the_port() -> None:
+    failure = ConfigError("/dev/ttyACM0 does not support 3 baud; choose another with ?baud=57600")
+    failure.__cause__ = OSError(errno.EINVAL, "Invalid argument")
+    finding = open_error_finding(failure)
+    assert (finding.code, finding.next_step) == (Code.CANNOT_OPEN, "choose another with ?baud=57600")
+
+
 def test_a_failure_is_shown_with_its_own_text() -> None:
-    finding = open_error_finding(PortFacts(PORT), TransportOpenError("robot:11411 refuses; start it"))
+    finding = open_error_finding(TransportOpenError("robot:11411 refuses; start it"))
     assert (finding.code, finding.seen, finding.next_step) == (
         Code.CANNOT_OPEN,
         "robot:11411 refuses",
