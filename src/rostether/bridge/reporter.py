@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Protocol, TypeAlias
 
 from rostether.errors import RostetherError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.mechanisms.line_budget import LineBudget
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.mechanisms.text import counted, escape_line
@@ -66,7 +66,7 @@ class Notices:
 
     def __init__(self, reporter: Reporter, node: str, clock: Callable[[], float]) -> None:
         self.node = node
-        self.to_graph: Callable[[Level, str], None] | None = None
+        self.to_graph: Report | None = None
         self._reporter = reporter
         self._clock = clock
         self._episodes = RepeatLimiter(by_episode=True)

@@ -10,7 +10,7 @@ from typing import TypeAlias
 from msgspec import Struct
 
 from rostether.errors import ConfigError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.graph.typed_graph import TypedGraph
 
 # The reference node uses this queue length.
@@ -26,9 +26,7 @@ class StickSettings(Struct, frozen=True):
     formula: str = "reference"
 
 
-async def publish_commands(
-    graph: TypedGraph, settings: StickSettings, report: Callable[[Level, str], None]
-) -> None:
+async def publish_commands(graph: TypedGraph, settings: StickSettings, report: Report) -> None:
     """Publish one command for each message of the joystick. Raises ConfigError, GraphError."""
     formula = FORMULAS.get(settings.formula)
     if formula is None:

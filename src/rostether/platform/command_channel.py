@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
 from rostether.errors import ConfigError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.platform.command_link import CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.multicast_socket import GroupAddress
@@ -29,7 +28,7 @@ class CommandChannel:
     def __init__(
         self,
         address: GroupAddress,
-        report: Callable[[Level, str], None],
+        report: Report,
         *,
         key: bytes,
         unicast: tuple[str, ...] = (),

@@ -8,7 +8,7 @@ import socket
 import time
 from collections.abc import Callable
 
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.platform.multicast_socket import GroupAddress, open_sender
 from rostether.platform.robot_table import SocketAddress
 
@@ -29,7 +29,7 @@ class DatagramSender:
     def __init__(
         self,
         address: GroupAddress,
-        report: Callable[[Level, str], None],
+        report: Report,
         on_datagram: Callable[[bytes, SocketAddress], None] | None = None,
     ) -> None:
         self._on_datagram = on_datagram

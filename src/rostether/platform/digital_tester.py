@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import random
-from collections.abc import Callable
 
 from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.graph.typed_graph import TypedGraph
 
 # The interval between values: slow enough to follow on a screen.
@@ -18,7 +17,7 @@ _RETRY_S = 1.0
 _CALL_LIMIT_S = 10.0
 
 
-async def publish_test_values(graph: TypedGraph, platform: str, report: Callable[[Level, str], None]) -> None:
+async def publish_test_values(graph: TypedGraph, platform: str, report: Report) -> None:
     """Register a DIGITAL sensor and publish a whole number from 0 to 100 each second, until canceled.
 
     It waits for the sensing manager. Raises ServiceCallError if the manager refuses, GraphError.
@@ -31,7 +30,7 @@ async def publish_test_values(graph: TypedGraph, platform: str, report: Callable
         await asyncio.sleep(PERIOD_S)
 
 
-async def _register(graph: TypedGraph, platform: str, report: Callable[[Level, str], None]) -> str:
+async def _register(graph: TypedGraph, platform: str, report: Report) -> str:
     request = {"platform_name": platform, "sensor_type": "DIGITAL"}
     is_reported = False
     while True:

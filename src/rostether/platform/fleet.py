@@ -10,7 +10,7 @@ from collections.abc import Callable
 from msgspec import Struct, field
 
 from rostether.errors import TransportError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.platform.command_channel import CommandChannel, refusal_text
 from rostether.platform.command_link import RELEASE_FRAMES, REPEAT_S, SenderSettings
 from rostether.platform.multicast_socket import GroupAddress
@@ -42,7 +42,7 @@ class FleetSettings(Struct, frozen=True):
 class FleetSender:
     """One sender, from its first frame to its release. Raises ConfigError for a wrong address."""
 
-    def __init__(self, settings: FleetSettings, report: Callable[[Level, str], None]) -> None:
+    def __init__(self, settings: FleetSettings, report: Report) -> None:
         self._settings = settings
         self._report = report
         self._channel = CommandChannel(

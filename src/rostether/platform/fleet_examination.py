@@ -5,13 +5,12 @@ from __future__ import annotations
 import asyncio
 import socket
 import time
-from collections.abc import Callable
 from contextlib import closing
 
 from msgspec import Struct, field
 from msgspec.structs import replace
 
-from rostether.graph.ports import Level
+from rostether.graph.ports import Report
 from rostether.platform.command_channel import MAX_UNICAST
 from rostether.platform.command_frame import NO_KEY, encode_forward
 from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
@@ -48,7 +47,7 @@ class Survey:
         self,
         settings: SenderSettings,
         address: GroupAddress,
-        report: Callable[[Level, str], None],
+        report: Report,
         commands: CommandSender | None = None,
     ) -> None:
         self._commands = commands or CommandSender(settings, time.time_ns() // 1000)
@@ -114,9 +113,7 @@ class Examination(Struct):
     listened_s: float = 0.0
 
 
-async def examine(
-    settings: FleetSettings, report: Callable[[Level, str], None], listen_s: float
-) -> Examination:
+async def examine(settings: FleetSettings, report: Report, listen_s: float) -> Examination:
     """Measure for about five seconds, and listen for a querier for at least `listen_s`.
 
     Raises ConfigError for an invalid address.
@@ -144,7 +141,7 @@ async def _ask_by_unicast(
     found: Examination,
     settings: FleetSettings,
     robots: dict[RobotKey, Robot],
-    report: Callable[[Level, str], None],
+    report: Report,
 ) -> None:
     """Ask the robots that answered, and the addresses that were given."""
     addresses = [robot.address[:2] for robot in robots.values()]
@@ -166,7 +163,7 @@ async def _ask_by_unicast(
 
 
 async def _ask_neighbors(
-    sender: SenderSettings, robots: dict[RobotKey, Robot], report: Callable[[Level, str], None]
+    sender: SenderSettings, robots: dict[RobotKey, Robot], report: Report
 ) -> list[tuple[RobotKey, RobotKey, bool]]:
     """Let each robot send a query to the next one, the last one to the first. Boards cannot forward."""
     # A link-local IPv6 address (with %) has another scope on each machine.
@@ -190,7 +187,7 @@ async def _ask_neighbors(
 
 
 async def _reaches(
-    sender: SenderSettings, first: Robot, second: Robot, epoch_us: int, report: Callable[[Level, str], None]
+    sender: SenderSettings, first: Robot, second: Robot, epoch_us: int, report: Report
 ) -> bool | None:
     """Return whether the first robot reaches the second one; None if the second does not answer now."""
     host, port = second.address[:2]

@@ -9,12 +9,11 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import Callable
 from contextlib import closing
 
 from msgspec.structs import replace
 
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped
@@ -32,9 +31,7 @@ LOST_S = 3.0
 class FleetMonitor:
     """The node fleet_monitor; `run` serves until canceled. Its queries command nothing."""
 
-    def __init__(
-        self, graph: TypedGraph, settings: FleetSettings, report: Callable[[Level, str], None]
-    ) -> None:
+    def __init__(self, graph: TypedGraph, settings: FleetSettings, report: Report) -> None:
         self._graph = graph
         self._settings = settings
         self._report = report

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from msgspec import Struct, field
 from msgspec.structs import replace
 
 from rostether.errors import ConfigError
-from rostether.graph.ports import Graph, Level
+from rostether.graph.ports import Graph, Level, Report
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
 from rostether.platform.command_channel import CommandChannel
 from rostether.platform.command_frame import MAX_PAYLOAD_BYTES, type_kind
@@ -46,9 +46,7 @@ class BridgeNodeSettings(Struct, frozen=True):
     unicast: tuple[str, ...] = ()
 
 
-async def send_topic(
-    graph: Graph, settings: BridgeNodeSettings, report: Callable[[Level, str], None]
-) -> None:
+async def send_topic(graph: Graph, settings: BridgeNodeSettings, report: Report) -> None:
     """Send the topic's messages until canceled. Raises ConfigError, InvalidNameError, GraphError."""
     if not 0 <= settings.frequency_hz <= _MAX_FREQUENCY_HZ:
         raise ConfigError(
@@ -89,7 +87,7 @@ async def send_topic(
 class _Bridge:
     """Bare datagrams: sends the newest message once, at most `frequency_hz` times a second."""
 
-    def __init__(self, settings: BridgeNodeSettings, report: Callable[[Level, str], None]) -> None:
+    def __init__(self, settings: BridgeNodeSettings, report: Report) -> None:
         self._sender = DatagramSender(settings.address.checked(), report)
         self._period_s = 1 / settings.frequency_hz if settings.frequency_hz else 0.0
         self._newest = b""
@@ -126,9 +124,7 @@ class _Bridge:
 class _FramedBridge:
     """Framed datagrams: repeats the newest message until the topic is silent."""
 
-    def __init__(
-        self, settings: BridgeNodeSettings, framed: SenderSettings, report: Callable[[Level, str], None]
-    ) -> None:
+    def __init__(self, settings: BridgeNodeSettings, framed: SenderSettings, report: Report) -> None:
         self._settings = framed
         self._timeout_s = settings.input_timeout_s or float("inf")
         self._period_s = 1 / settings.frequency_hz if settings.frequency_hz else 0.0

@@ -13,7 +13,7 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from rostether.errors import ConfigError, RemoteProtocolError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.line_budget import LineBudget
@@ -65,7 +65,7 @@ class ReceiverNodeSettings(Struct, frozen=True):
 async def receive_topic(
     graph: TypedGraph,
     settings: ReceiverNodeSettings,
-    report: Callable[[Level, str], None],
+    report: Report,
     read_host: Callable[[], HostState] = read_host,
 ) -> None:
     """Publish received messages until canceled. Raises ConfigError, DefinitionError, GraphError."""
@@ -103,7 +103,7 @@ class _Receiver:
         layout: Layout,
         sources: AllowList,
         settings: ReceiverNodeSettings,
-        report: Callable[[Level, str], None],
+        report: Report,
         read_host: Callable[[], HostState],
     ) -> None:
         self._read_host = read_host

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
 from rostether.errors import ServiceCallError
-from rostether.graph.ports import Level, Snapshot, Subscriber
+from rostether.graph.ports import Level, Report, Snapshot, Subscriber
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.block_end import closed_at_end, task_beside
@@ -42,7 +42,7 @@ class SensingManager:
     def __init__(
         self,
         graph: TypedGraph,
-        report: Callable[[Level, str], None],
+        report: Report,
         *,
         state_path: Path | None = None,
         named: Sequence[Sensor] = (),

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator
 from contextlib import aclosing
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rostether.errors import SensorError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.readings import paced, publish_readings
 from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
@@ -87,7 +87,7 @@ async def publish_battery(
     description: SensorDescription,
     supply: Path | None,
     alert_below: float,
-    report: Callable[[Level, str], None],
+    report: Report,
 ) -> None:
     """Publish a battery as a sensor until canceled; without `supply`, the first one. Raises GraphError.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator
 from contextlib import aclosing
 
 from msgspec.structs import asdict
 
-from rostether.graph.ports import Level
+from rostether.graph.ports import Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.block_end import closed_at_end
@@ -36,7 +36,7 @@ async def publish_pictures(
     graph: TypedGraph,
     description: SensorDescription,
     source: PictureSource,
-    report: Callable[[Level, str], None],
+    report: Report,
     detector: CascadeDetector | None = None,
 ) -> None:
     """Publish the pictures of a source as a sensor until canceled. Raises GraphError.
@@ -70,7 +70,7 @@ class _Camera:
         self._detections = detections
         self._count = 0
 
-    async def run(self, report: Callable[[Level, str], None]) -> None:
+    async def run(self, report: Report) -> None:
         """Publish until canceled."""
         await publish_readings(self._sensor, self._while_wanted, self._publish, report, hint=_HINT)
 

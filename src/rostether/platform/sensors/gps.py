@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator
 
 from rostether.errors import SensorError, TransportError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.nmea import NmeaReader, Position
 from rostether.platform.sensors.readings import publish_readings
@@ -25,7 +25,7 @@ _REPORT_S = 2.5
 
 
 async def publish_positions(
-    graph: TypedGraph, description: SensorDescription, address: Address, report: Callable[[Level, str], None]
+    graph: TypedGraph, description: SensorDescription, address: Address, report: Report
 ) -> None:
     """Publish the positions of a receiver as a sensor until canceled. Raises GraphError, ConfigError."""
     # A missing package is reported immediately.

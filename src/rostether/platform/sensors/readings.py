@@ -8,7 +8,7 @@ from contextlib import aclosing
 from typing import TypeVar
 
 from rostether.errors import ConfigError, RostetherError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.platform.sensor_state import SILENT_S
 from rostether.platform.sensors.registered_sensor import RegisteredSensor
@@ -52,7 +52,7 @@ async def publish_readings(
     sensor: RegisteredSensor,
     open_source: Callable[[], AsyncGenerator[T, None]],
     publish: Callable[[T], None],
-    report: Callable[[Level, str], None],
+    report: Report,
     *,
     hint: str,
     silence: str = "",

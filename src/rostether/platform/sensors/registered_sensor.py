@@ -8,14 +8,14 @@ from __future__ import annotations
 import asyncio
 import re
 import socket
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from typing import Any
 
 from msgspec import Struct
 
 from rostether.errors import GraphError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Level, Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.backoff import Backoff
@@ -65,7 +65,7 @@ class RegisteredSensor:
         graph: TypedGraph,
         description: SensorDescription,
         publisher: TypedPublisher[...],
-        report: Callable[[Level, str], None],
+        report: Report,
     ) -> None:
         self.description = description
         self.publisher = publisher
@@ -151,7 +151,7 @@ class RegisteredSensor:
 
 @asynccontextmanager
 async def registered_sensor(
-    graph: TypedGraph, description: SensorDescription, report: Callable[[Level, str], None]
+    graph: TypedGraph, description: SensorDescription, report: Report
 ) -> AsyncIterator[RegisteredSensor]:
     """Publish and keep the sensor registered within the block. Raises GraphError."""
     opened = await graph.publisher(description.topic, description.message_type)

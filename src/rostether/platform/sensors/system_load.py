@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import shutil
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 from msgspec import Struct
 
 from rostether.errors import SensorError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.number_file import read_number
 from rostether.platform.sensors.readings import paced
@@ -81,7 +80,7 @@ async def publish_system_load(
     word: str,
     rate_hz: float,
     files: SystemFiles,
-    report: Callable[[Level, str], None],
+    report: Report,
 ) -> None:
     """Publish CPU, memory and disk, and the temperature if it is measured, until canceled.
 

@@ -10,7 +10,7 @@ from contextlib import aclosing
 from msgspec import Struct
 
 from rostether.errors import ConfigError, SensorError
-from rostether.graph.ports import Level
+from rostether.graph.ports import Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensors.readings import publish_readings
 from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
@@ -45,7 +45,7 @@ async def publish_values(
     description: SensorDescription,
     open_source: Callable[[], AsyncGenerator[float, None]],
     scaling: Scaling,
-    report: Callable[[Level, str], None],
+    report: Report,
     *,
     hint: str = "choose another ~path, ~gpio or ~field",
     silence: str = "",
