@@ -7,7 +7,6 @@ import math
 from collections import deque
 from collections.abc import Callable
 
-from rostether.bridge.endpoint.access import check_parameter
 from rostether.bridge.reporter import Notices, reason_of
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import (
@@ -118,7 +117,7 @@ class ParameterRelay:
         timeout_s = self._settings.parameter_timeout_s
         if self._access is not ANY_ACCESS:
             try:
-                check_parameter(self._access, self._graph.resolve(name))
+                self._access.check("parameters", self._graph.resolve(name))
             except (InvalidNameError, AccessDeniedError) as error:
                 self._report(name, str(error))
                 return ParameterResponse()

@@ -9,6 +9,11 @@ from typing import Any
 
 from msgspec import Struct
 
+from rostether.errors import AccessDeniedError
+
+# The verbs that differ from their field.
+_VERBS = {"subscribe": "subscribe to", "parameters": "read"}
+
 
 class NameRule(Struct, frozen=True):
     """Which resolved names are permitted: those in `allow` (None: all) that are not in `deny`.
@@ -44,6 +49,15 @@ class Access(Struct, frozen=True):
     serve: NameRule = ANY_NAME
     call: NameRule = ANY_NAME
     parameters: NameRule = ANY_NAME
+
+    def check(self, kind: str, name: str) -> None:
+        """Check that the board may use a resolved name; `kind` is a field. Raises AccessDeniedError."""
+        rule: NameRule = getattr(self, kind)
+        if (reason := rule.refusal(name)) is not None:
+            raise AccessDeniedError(
+                f"this board may not {_VERBS.get(kind, kind)} {name}: access.{kind}.{reason}; change "
+                "devices.toml to allow it"
+            )
 
 
 ANY_ACCESS = Access()

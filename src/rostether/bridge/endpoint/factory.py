@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
-from rostether.bridge.endpoint.access import check_endpoint
 from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.service_client import ServiceClientEndpoint
 from rostether.bridge.endpoint.service_server import ServiceServerEndpoint
@@ -22,6 +21,14 @@ from rostether.serde.store import TypeStore
 
 # The search for the difference takes about 30 ms: it must not run again whenever the board reconnects.
 MAX_MISMATCHES = 64
+
+# By the role of an endpoint: the field of `Access` with the names that it may have.
+ACCESS_KINDS: Mapping[TopicRole | ServiceRole, str] = {
+    TopicRole.PUBLISHER: "publish",
+    TopicRole.SUBSCRIBER: "subscribe",
+    ServiceRole.SERVER: "serve",
+    ServiceRole.CLIENT: "call",
+}
 
 
 class EndpointFactory:
@@ -56,7 +63,7 @@ class EndpointFactory:
         """
         info = event.info
         name = self._graph.resolve(info.topic_name)
-        check_endpoint(self._access, event.role, name)
+        self._access.check(ACCESS_KINDS[event.role], name)
         message_type = self._store.registry.message_type(info.message_type)
         self._check_md5sum(info.message_type, info.md5sum, message_type.md5sum)
         layout = self._store.layout(info.message_type)
@@ -80,7 +87,7 @@ class EndpointFactory:
 
         Raises DefinitionError, TypeMismatchError, InvalidNameError, AccessDeniedError.
         """
-        check_endpoint(self._access, event.role, self._graph.resolve(event.name))
+        self._access.check(ACCESS_KINDS[event.role], self._graph.resolve(event.name))
         service_type = self._store.registry.service_type(event.type)
         for announced, known in (
             (event.request, service_type.request),

@@ -6,8 +6,7 @@ from typing import cast
 
 import pytest
 
-from rostether.bridge.endpoint.access import check_endpoint, check_parameter
-from rostether.bridge.endpoint.factory import EndpointFactory
+from rostether.bridge.endpoint.factory import ACCESS_KINDS, EndpointFactory
 from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.parameter_relay import ParameterRelay
 from rostether.bridge.settings import DEFAULT_SETTINGS
@@ -46,19 +45,19 @@ LIMITED = Access(
 def test_each_direction_has_its_permission(
     role: TopicRole | ServiceRole, name: str, reason: str | None
 ) -> None:
-    check_endpoint(ANY_ACCESS, role, name)
+    ANY_ACCESS.check(ACCESS_KINDS[role], name)
     if reason is None:
-        check_endpoint(LIMITED, role, name)
+        LIMITED.check(ACCESS_KINDS[role], name)
         return
     with pytest.raises(AccessDeniedError) as caught:
-        check_endpoint(LIMITED, role, name)
+        LIMITED.check(ACCESS_KINDS[role], name)
     assert reason in str(caught.value)
 
 
 def test_parameters_have_a_permission() -> None:
-    check_parameter(LIMITED, "/gains/p")
+    LIMITED.check("parameters", "/gains/p")
     with pytest.raises(AccessDeniedError, match=r"may not read /secret: access\.parameters\.allow"):
-        check_parameter(LIMITED, "/secret")
+        LIMITED.check("parameters", "/secret")
 
 
 async def test_a_denied_endpoint_is_not_set_up_and_reported_once() -> None:
@@ -100,4 +99,4 @@ async def test_a_denied_parameter_is_answered_with_nothing() -> None:
 async def test_rules_of_a_file_reach_the_endpoints() -> None:
     book = parse_devices_toml('[defaults.access]\npublish = { allow = ["/lab/*"] }\n')
     with pytest.raises(AccessDeniedError):
-        check_endpoint(book.defaults.access, TopicRole.PUBLISHER, "/imu")
+        book.defaults.access.check("publish", "/imu")
