@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Iterator
 
 from rostether.bridge.findings.finding import Code, Finding, error, split_step, warning
 from rostether.bridge.findings.noise import show
@@ -61,36 +62,25 @@ class AnnouncementFindings:
         if len(self._refused) < MAX_KEPT:
             self._refused[event.topic_name, event.message_type] = event
 
-    def find(self) -> list[Finding]:
-        """Return the findings."""
-        findings = []
+    def find(self) -> Iterator[Finding]:
+        """Yield the findings."""
         if self._garbled_count >= MIN_COUNT:
             topic_id, payload = max(self._garbled, key=lambda each: self._garbled[each])
             what = _PACKETS.get(topic_id, "names or md5sums in the announcements")
-            findings.append(
-                error(
-                    Code.RAM_OVERFLOW,
-                    f"{what} are damaged inside the board ({_describe(payload)}), but the checksums are "
-                    "right: its RAM is overwritten",
-                    "use fewer topics and smaller buffers (ros::NodeHandle_<ArduinoHardware, 6, 6, 150, "
-                    "150>), keep texts in flash with F(), and do not publish strings from local buffers "
-                    "that no longer exist",
-                )
+            yield error(
+                Code.RAM_OVERFLOW,
+                f"{what} are damaged inside the board ({_describe(payload)}), but the checksums are right: "
+                "its RAM is overwritten",
+                "use fewer topics and smaller buffers (ros::NodeHandle_<ArduinoHardware, 6, 6, 150, 150>), "
+                "keep texts in flash with F(), and do not publish strings from local buffers that no longer "
+                "exist",
             )
         for event in self._refused.values():
             if not _has_damage(event.topic_name + event.message_type) and "md5sum ''" not in event.reason:
                 name = event.topic_name or "a topic without a name"
                 reason, step = split_step(event.reason, "correct it in the sketch")
-                findings.append(
-                    error(
-                        Code.NOT_BRIDGED,
-                        f"{name} [{event.message_type}] is not bridged: {reason}",
-                        step,
-                        event.topic_name,
-                        is_reported=True,
-                    )
-                )
-        return findings
+                seen = f"{name} [{event.message_type}] is not bridged: {reason}"
+                yield error(Code.NOT_BRIDGED, seen, step, event.topic_name, is_reported=True)
 
 
 def is_overwritten(info: TopicInfo) -> bool:

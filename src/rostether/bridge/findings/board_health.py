@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.findings.endpoint_findings import EndpointFindings, RequiredTopics
@@ -84,12 +84,10 @@ class BoardHealth:
         found = self.watch.find(now_s)
         found += self._endpoints.find(now_s, self.watch.too_large_s, self.watch.oversizes)
         found += self.required.find()
-        if not self.watch.is_silent:
-            # A board that is off or out of range has its own finding.
+        # A board that is off or out of range has its own finding.
+        if self.radio is not None and not self.watch.is_silent:
             found += _radio_loss(self.radio)
-        drift_ppm = self.clock.drift_ppm
-        if drift_ppm is not None and abs(drift_ppm) >= DRIFT_PPM:
-            found.append(_drift(drift_ppm))
+        found += _drift(self.clock.drift_ppm)
         return sorted(found, key=lambda each: -each.severity)
 
     def report(self, findings: list[Finding], now_s: float) -> None:
@@ -99,29 +97,27 @@ class BoardHealth:
                 self._notices.report(_LEVELS[finding.severity], str(finding))
 
 
-def _radio_loss(radio: LinkQuality | None) -> list[Finding]:
-    """Return the finding, if many packets to the board are not acknowledged."""
-    loss = radio.recent_loss if radio is not None else None
-    if radio is None or loss is None or loss < MUCH_RADIO_LOSS:
-        return []
-    signal = "" if radio.rssi_dbm is None else f", signal {radio.rssi_dbm} dBm"
-    return [
-        warning(
+def _radio_loss(radio: LinkQuality) -> Iterator[Finding]:
+    """Yield a finding if many packets to the board are not acknowledged."""
+    loss = radio.recent_loss
+    if loss is not None and loss >= MUCH_RADIO_LOSS:
+        signal = "" if radio.rssi_dbm is None else f", signal {radio.rssi_dbm} dBm"
+        yield warning(
             Code.RADIO_LOSS,
             f"{100 * loss:.0f} % of the last {radio.recent_packets} radio packets to the board were lost "
             f"({radio.last_loss}{signal})",
             "move the radios closer together, or set all of them to another channel",
         )
-    ]
 
 
-def _drift(drift_ppm: float) -> Finding:
-    return warning(
-        Code.CLOCK_DRIFT,
-        f"the board's clock runs {abs(drift_ppm):.0f} ppm too {'fast' if drift_ppm > 0 else 'slow'}: its "
-        f"time stamps jump by {abs(drift_ppm) * 2.5e-3:.1f} ms each time it requests the time",
-        "use a board with a crystal, or stamp messages on the host if milliseconds matter",
-    )
+def _drift(drift_ppm: float | None) -> Iterator[Finding]:
+    if drift_ppm is not None and abs(drift_ppm) >= DRIFT_PPM:
+        yield warning(
+            Code.CLOCK_DRIFT,
+            f"the board's clock runs {abs(drift_ppm):.0f} ppm too {'fast' if drift_ppm > 0 else 'slow'}: its "
+            f"time stamps jump by {abs(drift_ppm) * 2.5e-3:.1f} ms each time it requests the time",
+            "use a board with a crystal, or stamp messages on the host if milliseconds matter",
+        )
 
 
 class FindingLedger:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from weakref import WeakKeyDictionary
 
 from rostether.bridge.endpoint.openings import Endpoint, ServiceEndpoint, name_of
@@ -63,11 +64,11 @@ class EndpointFindings:
             found.append(_too_large(silent))
         return found
 
-    def _too_long(self, endpoint: Endpoint, oversizes: Oversizes, now_s: float) -> list[Finding]:
+    def _too_long(self, endpoint: Endpoint, oversizes: Oversizes, now_s: float) -> Iterator[Finding]:
         info = _sent_by_board(endpoint)
         seen = oversizes.of(info.topic_id, now_s) if info is not None else None
         if info is None or seen is None:
-            return []
+            return
         if seen.largest_bytes <= info.buffer_size:
             # A streaming board announces no buffer; the size of the type counts.
             reason = "more than this type or the limit of the frame length allows"
@@ -75,75 +76,61 @@ class EndpointFindings:
         else:
             reason = f"and the board announced a buffer of {info.buffer_size}"
             step = f"{_LARGER}, or send smaller messages"
-        return [
-            error(
-                Code.MESSAGES_TOO_LONG,
-                f"messages of {info.topic_name} [{info.message_type}] have {seen.largest_bytes} bytes, "
-                f"{reason}: they are rejected",
-                step,
-                info.topic_name,
-            )
-        ]
+        yield error(
+            Code.MESSAGES_TOO_LONG,
+            f"messages of {info.topic_name} [{info.message_type}] have {seen.largest_bytes} bytes, "
+            f"{reason}: they are rejected",
+            step,
+            info.topic_name,
+        )
 
-    def _publisher(self, endpoint: PublisherEndpoint) -> list[Finding]:
-        found = []
+    def _publisher(self, endpoint: PublisherEndpoint) -> Iterator[Finding]:
         info = endpoint.info
         needed = self._store.layout(info.message_type).smallest_size_bytes + PUBLISHER_OVERHEAD_BYTES
         if needed > info.buffer_size:
-            found.append(
-                error(
-                    Code.BUFFER_TOO_SMALL,
-                    f"no message of {info.topic_name} [{info.message_type}] fits: it needs at least "
-                    f"{needed} bytes, but the board's output buffer has {info.buffer_size}",
-                    _LARGER,
-                    info.topic_name,
-                )
+            yield error(
+                Code.BUFFER_TOO_SMALL,
+                f"no message of {info.topic_name} [{info.message_type}] fits: it needs at least "
+                f"{needed} bytes, but the board's output buffer has {info.buffer_size}",
+                _LARGER,
+                info.topic_name,
             )
         misfits = endpoint.misfit_count
         if misfits >= MIN_MISFITS and misfits > MISFIT_SHARE * (misfits + endpoint.message_count):
-            found.append(
-                error(
-                    Code.MESSAGES_MISFIT,
-                    f"{misfits} messages of {info.topic_name} do not have the layout of {info.message_type} "
-                    "and were dropped",
-                    "generate the message headers of the sketch again, and set the _length of every array",
-                    info.topic_name,
-                )
+            yield error(
+                Code.MESSAGES_MISFIT,
+                f"{misfits} messages of {info.topic_name} do not have the layout of {info.message_type} "
+                "and were dropped",
+                "generate the message headers of the sketch again, and set the _length of every array",
+                info.topic_name,
             )
-        return found
 
-    def _subscriber(self, endpoint: SubscriberEndpoint, now_s: float) -> list[Finding]:
-        found = []
+    def _subscriber(self, endpoint: SubscriberEndpoint, now_s: float) -> Iterator[Finding]:
         info = endpoint.info
         smallest_bytes = self._store.layout(info.message_type).smallest_size_bytes
         largest = max(endpoint.largest_oversize_bytes, smallest_bytes)
         if largest > info.buffer_size:
-            found.append(
-                error(
-                    Code.BUFFER_TOO_SMALL,
-                    f"messages of {info.topic_name} [{info.message_type}] have {largest} bytes, but the "
-                    f"board's input buffer has only {info.buffer_size}: they are not sent",
-                    f"{_LARGER}, or send smaller messages",
-                    info.topic_name,
-                    is_reported=endpoint.largest_oversize_bytes > 0,
-                )
+            yield error(
+                Code.BUFFER_TOO_SMALL,
+                f"messages of {info.topic_name} [{info.message_type}] have {largest} bytes, but the "
+                f"board's input buffer has only {info.buffer_size}: they are not sent",
+                f"{_LARGER}, or send smaller messages",
+                info.topic_name,
+                is_reported=endpoint.largest_oversize_bytes > 0,
             )
         count, changed_s = self._losses.get(endpoint, (0, float("-inf")))
         if endpoint.dropped_count > count:
             changed_s = now_s
         self._losses[endpoint] = endpoint.dropped_count, changed_s
         if now_s - changed_s < RECENT_S:
-            found.append(
-                warning(
-                    Code.MESSAGES_LOST,
-                    f"{info.topic_name} is faster than the board can receive: {endpoint.dropped_count} of "
-                    "its messages were dropped, the oldest first",
-                    "publish it less often, or choose a higher baud rate",
-                    info.topic_name,
-                    is_reported=True,
-                )
+            yield warning(
+                Code.MESSAGES_LOST,
+                f"{info.topic_name} is faster than the board can receive: {endpoint.dropped_count} of "
+                "its messages were dropped, the oldest first",
+                "publish it less often, or choose a higher baud rate",
+                info.topic_name,
+                is_reported=True,
             )
-        return found
 
 
 def _sent_by_board(endpoint: Endpoint) -> TopicInfo | None:
@@ -158,9 +145,9 @@ def _sent_by_board(endpoint: Endpoint) -> TopicInfo | None:
 
 def _refusals(refused: dict[str, RostetherError]) -> list[Finding]:
     """Return one finding for each cause: several topics may have the same stale type."""
-    names: dict[tuple[type[RostetherError], str], list[str]] = {}
+    names: defaultdict[tuple[type[RostetherError], str], list[str]] = defaultdict(list)
     for name, reason in refused.items():
-        names.setdefault((type(reason), str(reason)), []).append(name)
+        names[type(reason), str(reason)].append(name)
     return [_refusal(kind, text, topics) for (kind, text), topics in names.items()]
 
 
@@ -217,19 +204,16 @@ class RequiredTopics:
             there = {self._full_name(name) for name in self._announced}
             self._missing = tuple(name for full, name in self._required.items() if full not in there)
 
-    def find(self) -> list[Finding]:
-        """Return the findings."""
-        if not self._missing:
-            return []
-        shown = listed(self._announced, _LISTED_ANNOUNCED) or "no topic"
-        return [
-            error(
+    def find(self) -> Iterator[Finding]:
+        """Yield the finding, if topics are missing."""
+        if self._missing:
+            shown = listed(self._announced, _LISTED_ANNOUNCED) or "no topic"
+            yield error(
                 Code.MISSING_TOPIC,
                 f"the board does not announce {', '.join(self._missing)}, which devices.toml requires; it "
                 f"announces {shown}",
                 "flash the right sketch, add the topic to it, or correct required_topics",
             )
-        ]
 
     def _full_name(self, name: str) -> str:
         try:

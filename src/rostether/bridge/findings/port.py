@@ -25,23 +25,19 @@ _OPEN_CODES = {
 }
 
 
-def port_findings(facts: PortFacts) -> list[Finding]:
-    """Return why a port cannot or should not be used now; empty if no problem is known."""
+def port_finding(facts: PortFacts) -> Finding | None:
+    """Return why a port cannot or should not be used now, None if no problem is known."""
     if not facts.exists:
-        return [_no_port(facts)]
+        return _no_port(facts)
     if not facts.is_device:
-        return [
-            error(
-                Code.NOT_A_PORT,
-                f"{facts.path} is not a serial port",
-                "give the board's port; rostether ports lists all ports",
-            )
-        ]
+        return error(
+            Code.NOT_A_PORT,
+            f"{facts.path} is not a serial port",
+            "give the board's port; rostether ports lists all ports",
+        )
     if not facts.may_open:
-        return [error(Code.NO_PERMISSION, *permission_problem(facts.path, facts.group))]
-    if facts.holders:
-        return [busy(facts.path, facts.holders)]
-    return []
+        return error(Code.NO_PERMISSION, *permission_problem(facts.path, facts.group))
+    return busy(facts.path, facts.holders) if facts.holders else None
 
 
 def open_error_finding(failure: BaseException) -> Finding:
@@ -61,12 +57,6 @@ def cannot_open(failure: BaseException, code: Code = Code.CANNOT_OPEN) -> Findin
 
 def busy(port: str, holders: tuple[Holder, ...]) -> Finding:
     """Return the finding for a port or address that other programs use."""
-    if not holders:
-        return error(
-            Code.BUSY,
-            f"{port} is in use by another program",
-            "close the Arduino IDE's monitor, or a second bridge",
-        )
     who = ", ".join(map(str, holders))
     pids = " ".join(str(each.pid) for each in holders)
     return error(

@@ -24,7 +24,7 @@ from msgspec.structs import replace
 from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
 from rostether.bridge.findings.noise import show
-from rostether.bridge.findings.port import busy, cannot_open, open_error_finding, port_findings
+from rostether.bridge.findings.port import busy, cannot_open, open_error_finding, port_finding
 from rostether.bridge.health.watching import WATCH_S, BoardObservations, watch_board
 from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
@@ -93,10 +93,9 @@ class Doctor:
         return self._diagnosis(address, await self._watch(transport, None))
 
     async def _examine_serial(self, address: SerialAddress) -> Diagnosis:
-        facts = await self._read_facts(address.path)
-        findings = port_findings(facts)
-        if findings:
-            return Diagnosis(str(address), tuple(findings), baud=address.baud)
+        finding = port_finding(await self._read_facts(address.path))
+        if finding is not None:
+            return Diagnosis(str(address), (finding,), baud=address.baud)
         baud = None if is_pseudo_terminal(address.path) else address.baud
         at = f" at {baud} baud" if baud else ""
         self._report_step(f"listening to {address}{at} ...")

@@ -25,7 +25,7 @@ def test_overwritten_names_are_detected() -> None:
 def test_one_case_may_be_the_line_and_two_are_the_board() -> None:
     announcements = AnnouncementFindings()
     announcements.discarded(refused(GARBLED))
-    assert announcements.find() == []
+    assert list(announcements.find()) == []
     announcements.discarded(refused(replace(GARBLED, topic_name="te\x7fmp")))
     (finding,) = announcements.find()
     assert finding.code is Code.RAM_OVERFLOW
@@ -37,7 +37,7 @@ def test_lengths_that_were_overwritten() -> None:
     packet = FrameDiscarded(DiscardReason.PACKET, b"\x65\x00\xff\xff\x00\x00temp")
     announcements.discarded(packet)
     announcements.discarded(FrameDiscarded(DiscardReason.PACKET, b"noise that passed its checksum"))
-    assert announcements.find() == []
+    assert list(announcements.find()) == []
     announcements.discarded(packet)
     announcements.discarded(packet)
     assert [each.code for each in announcements.find()] == [Code.RAM_OVERFLOW]
@@ -65,7 +65,7 @@ def test_a_wrong_but_readable_name_is_a_fault_of_the_sketch() -> None:
 def test_a_damaged_name_is_reported_once() -> None:
     announcements = AnnouncementFindings()
     announcements.refused(AnnouncementRefused("te\x00mp", "std_msgs/String", "a name must; write it"))
-    assert announcements.find() == []
+    assert list(announcements.find()) == []
 
 
 def test_invented_names_do_not_fill_the_memory() -> None:
@@ -73,4 +73,4 @@ def test_invented_names_do_not_fill_the_memory() -> None:
     for number in range(1000):
         announcements.discarded(refused(replace(GARBLED, topic_name=f"\x00{number}")))
         announcements.refused(AnnouncementRefused(str(number), "a/B", "no; change it"))
-    assert len(announcements.find()) <= MAX_KEPT + 1
+    assert len(list(announcements.find())) <= MAX_KEPT + 1

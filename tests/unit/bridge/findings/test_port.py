@@ -5,7 +5,7 @@ import errno
 import pytest
 
 from rostether.bridge.findings.finding import Code
-from rostether.bridge.findings.port import open_error_finding, port_findings
+from rostether.bridge.findings.port import open_error_finding, port_finding
 from rostether.errors import ConfigError, TransportOpenError
 from rostether.transports.port_facts import PortFacts
 from rostether.transports.port_holders import Holder
@@ -14,12 +14,13 @@ PORT = "/dev/ttyACM0"
 
 
 def reported(facts: PortFacts) -> str:
-    (finding,) = port_findings(facts)
+    finding = port_finding(facts)
+    assert finding is not None
     return f"{finding.code}: {finding}"
 
 
 def test_a_good_port() -> None:
-    assert port_findings(PortFacts(PORT)) == []
+    assert port_finding(PortFacts(PORT)) is None
 
 
 def test_a_port_that_is_not_there() -> None:
