@@ -53,22 +53,14 @@ class CommandSender:
     def __init__(self, settings: SenderSettings, epoch_us: int) -> None:
         self._settings = settings
         self.epoch_us = epoch_us
-        self._sequence = 0
+        # The sequence number of the last frame, 0 before the first.
+        self.sequence = 0
         self._payload: bytes | None = None
         self._stops_left = 0
         self._stop_flags = Flags.STOP
-        self._due_s: float | None = None
+        # When to call `repeat` next; None until the next command or stop.
+        self.due_s: float | None = None
         self._copied_s = float("-inf")
-
-    @property
-    def sequence(self) -> int:
-        """The sequence number of the last frame, 0 before the first."""
-        return self._sequence
-
-    @property
-    def due_s(self) -> float | None:
-        """When to call `repeat` next; None until the next command or stop."""
-        return self._due_s
 
     def command(self, payload: bytes, now_s: float) -> list[bytes]:
         """Return the datagrams of a command: three if it differs from the last one, else one.
@@ -82,7 +74,7 @@ class CommandSender:
             self._copied_s = now_s
         self._payload = payload
         self._stops_left = 0
-        self._due_s = now_s + REPEAT_S
+        self.due_s = now_s + REPEAT_S
         return [self._frame(Flags.ARMED, payload) for _ in range(count)]
 
     def stop(self, now_s: float) -> list[bytes]:
@@ -97,17 +89,17 @@ class CommandSender:
         """Return the datagrams to repeat now."""
         if self._stops_left:
             self._stops_left -= 1
-            self._due_s = now_s + _STOP_PERIOD_S if self._stops_left else None
+            self.due_s = now_s + _STOP_PERIOD_S if self._stops_left else None
             return [self._frame(self._stop_flags)]
         if self._payload is None:
-            self._due_s = None
+            self.due_s = None
             return []
-        self._due_s = now_s + REPEAT_S
+        self.due_s = now_s + REPEAT_S
         return [self._frame(Flags.ARMED, self._payload)]
 
     def release(self) -> bytes:
         """Return the last datagram: robots that obey this sender stop, and accept other senders."""
-        self._payload, self._stops_left, self._due_s = None, 0, None
+        self._payload, self._stops_left, self.due_s = None, 0, None
         return self._frame(Flags.RELEASE)
 
     def query(self) -> bytes:
@@ -124,14 +116,14 @@ class CommandSender:
         return self.repeat(now_s)
 
     def _frame(self, flags: Flags, payload: bytes = b"") -> bytes:
-        if self._sequence == _LAST_SEQUENCE:
-            self._sequence, self.epoch_us = 0, self.epoch_us + 1
-        self._sequence += 1
+        if self.sequence == _LAST_SEQUENCE:
+            self.sequence, self.epoch_us = 0, self.epoch_us + 1
+        self.sequence += 1
         settings = self._settings
         if settings.to_groups:
             flags |= Flags.TO_GROUPS
         return CommandFrame(
-            settings.target, self.epoch_us, self._sequence, flags, settings.ttl_ms, settings.kind, payload
+            settings.target, self.epoch_us, self.sequence, flags, settings.ttl_ms, settings.kind, payload
         ).encode(settings.key)
 
 
@@ -154,9 +146,11 @@ class CommandReceiver:
 
     def __init__(self, settings: ReceiverSettings) -> None:
         self._settings = settings
-        self._epoch_us = 0
+        # The epoch of the last sender that this robot obeyed, 0 before the first.
+        self.last_epoch_us = 0
         self._sequence = 0
-        self._deadline_s: float | None = None
+        # When to call `expire` next; None if no sender is active.
+        self.deadline_s: float | None = None
         # The epoch and sequence number of the newest frame that was refused because of another sender:
         # replaying it has no effect.
         self._refused = (0, 0)
@@ -168,19 +162,9 @@ class CommandReceiver:
         self.refusal = Refusal.NONE
 
     @property
-    def deadline_s(self) -> float | None:
-        """When to call `expire` next; None if no sender is active."""
-        return self._deadline_s
-
-    @property
-    def last_epoch_us(self) -> int:
-        """The epoch of the last sender that this robot obeyed, 0 before the first."""
-        return self._epoch_us
-
-    @property
     def holder_epoch_us(self) -> int | None:
         """The epoch of the sender that commands this robot now, None if there is none."""
-        return None if self._deadline_s is None else self._epoch_us
+        return None if self.deadline_s is None else self.last_epoch_us
 
     def receive(self, datagram: bytes, now_s: float) -> CommandFrame | None:
         """Return the frame to obey, None if it is refused (see `last_refusal`), repeated, or for others.
@@ -202,16 +186,16 @@ class CommandReceiver:
         self.last_refusal = self._refusal_reason(frame)
         if self.last_refusal:
             return None
-        self._epoch_us, self._sequence = frame.epoch_us, frame.sequence
-        self._deadline_s = None if Flags.RELEASE in frame.flags else now_s + frame.ttl_ms / 1000
+        self.last_epoch_us, self._sequence = frame.epoch_us, frame.sequence
+        self.deadline_s = None if Flags.RELEASE in frame.flags else now_s + frame.ttl_ms / 1000
         self.is_moving = frame.flags & _MOTION == Flags.ARMED
         return frame
 
     def expire(self, now_s: float) -> bool:
         """End the sender's control if it was silent too long; return whether the robot must stop now."""
-        if self._deadline_s is None or now_s < self._deadline_s:
+        if self.deadline_s is None or now_s < self.deadline_s:
             return False
-        self._deadline_s = None
+        self.deadline_s = None
         was_moving, self.is_moving = self.is_moving, False
         return was_moving
 
@@ -221,17 +205,17 @@ class CommandReceiver:
         return frame.target == self._settings.robot_id
 
     def _is_repeated(self, frame: CommandFrame) -> bool:
-        newest = self._sequence if frame.epoch_us == self._epoch_us else 0
+        newest = self._sequence if frame.epoch_us == self.last_epoch_us else 0
         if frame.epoch_us == self._refused[0]:
             newest = max(newest, self._refused[1])
-        return frame.epoch_us >= self._epoch_us and frame.sequence <= newest
+        return frame.epoch_us >= self.last_epoch_us and frame.sequence <= newest
 
     def _refusal_reason(self, frame: CommandFrame) -> str:
         is_stop = Flags.STOP in frame.flags
-        if frame.epoch_us < self._epoch_us:
+        if frame.epoch_us < self.last_epoch_us:
             self.refusal = Refusal.OLDER
             return "the sender started before the last one: restart it (or this is a replayed command)"
-        if frame.epoch_us > self._epoch_us and self._deadline_s is not None and not is_stop:
+        if frame.epoch_us > self.last_epoch_us and self.deadline_s is not None and not is_stop:
             self.refusal = Refusal.HELD
             self._refused = max(self._refused, (frame.epoch_us, frame.sequence))
             return "another sender commands this robot"

@@ -130,7 +130,7 @@ def test_a_command_of_another_type(robot: CommandReceiver) -> None:
 
 def test_the_sequence_ends_with_a_new_epoch() -> None:
     sender = CommandSender(TO_ROBOT, 1_000)
-    sender._sequence = 0xFFFF_FFFE
+    sender.sequence = 0xFFFF_FFFE
     frames = [decode_frame(each, KEY) for each in sender.command(b"go", 0.0)]
     assert [(each.epoch_us, each.sequence) for each in frames] == [(1000, 0xFFFFFFFF), (1001, 1), (1001, 2)]
 
