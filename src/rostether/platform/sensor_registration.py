@@ -20,9 +20,12 @@ _MAX_LEASE_S = 3600.0
 # No sensor publishes faster.
 MAX_RATE_HZ = 1e6
 
-_ID = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
-_TYPE = re.compile(r"[A-Z][A-Z0-9_]*")
-_MESSAGE_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
+# By field: the allowed texts, and an example.
+_FORMS = {
+    "id": (re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII), "a name such as robot3/front"),
+    "sensor_type": (re.compile(r"[A-Z][A-Z0-9_]*"), "a word such as ANALOG"),
+    "message_type": (re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII), "a type such as std_msgs/Float64"),
+}
 
 # The fields that have the same name in a sensor, a registration and their messages.
 _SHARED_FIELDS = ("sensor_type", "message_type", "unit", "frame_id", "rate_hz", "lease_s")
@@ -54,16 +57,10 @@ class Registration(Struct, frozen=True):
 
     def check(self) -> None:
         """Raise ServiceCallError for a field that cannot be used."""
-        if not _ID.fullmatch(self.id) or len(self.id) > MAX_TEXT_CHARACTERS:
-            raise ServiceCallError(f"id must be a name such as robot3/front, not {self.id!r:.100}")
-        if not _TYPE.fullmatch(self.sensor_type) or len(self.sensor_type) > MAX_TEXT_CHARACTERS:
-            raise ServiceCallError(
-                f"sensor_type must be a word such as ANALOG, not {self.sensor_type!r:.100}"
-            )
-        if not _MESSAGE_TYPE.fullmatch(self.message_type) or len(self.message_type) > MAX_TEXT_CHARACTERS:
-            raise ServiceCallError(
-                f"message_type must be a type such as std_msgs/Float64, not {self.message_type!r:.100}"
-            )
+        for what, (pattern, example) in _FORMS.items():
+            text = getattr(self, what)
+            if not pattern.fullmatch(text) or len(text) > MAX_TEXT_CHARACTERS:
+                raise ServiceCallError(f"{what} must be {example}, not {text!r:.100}")
         if not _MIN_LEASE_S <= self.lease_s <= _MAX_LEASE_S:
             raise ServiceCallError(
                 f"lease_s must be {_MIN_LEASE_S:g} to {_MAX_LEASE_S:g}, not {self.lease_s:g}"

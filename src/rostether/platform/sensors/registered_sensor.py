@@ -13,6 +13,7 @@ from contextlib import asynccontextmanager, suppress
 from typing import Any
 
 from msgspec import Struct
+from msgspec.structs import asdict
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Level, Report
@@ -112,16 +113,11 @@ class RegisteredSensor:
 
     async def _register(self) -> bool:
         what = self.description
+        fields = asdict(what)
         request = {
-            "id": what.id,
+            "platform_name": fields.pop("platform"),
+            **fields,
             "instance": f"{self._graph.node_name} on {socket.gethostname()}",
-            "name": what.name,
-            "platform_name": what.platform,
-            "sensor_type": what.sensor_type,
-            "message_type": what.message_type,
-            "unit": what.unit,
-            "frame_id": what.frame_id,
-            "rate_hz": what.rate_hz,
             "lease_s": LEASE_S,
             "state": self._state,
             "state_text": self._state_text,
