@@ -6,6 +6,8 @@ import asyncio
 import socket
 import sys
 
+from rostether.transports.sockets import new_socket
+
 # A querier asks all machines at least this often (RFC 3376, 8.2: 125 s), and may be a little late.
 QUERY_INTERVAL_S = 130.0
 
@@ -44,15 +46,10 @@ async def has_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | 
 
 
 def _open(interface: str) -> socket.socket:
-    sock = socket.socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_IGMP)
-    sock.setblocking(False)
-    try:
+    with new_socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_IGMP) as sock:
         # An interface that is given by its address has no name to bind to: queries on all interfaces count.
         if interface and interface.count(".") != 3 and sys.platform == "linux":
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, interface.encode())
-    except OSError:
-        sock.close()
-        raise
     return sock
 
 

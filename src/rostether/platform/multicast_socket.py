@@ -12,6 +12,7 @@ from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import show_endpoint
+from rostether.transports.sockets import new_socket
 
 REFERENCE_GROUP = "224.0.1.1"
 REFERENCE_PORT = 12345
@@ -61,9 +62,7 @@ class GroupAddress(Struct, frozen=True):
 
 def open_sender(address: GroupAddress, interface: str) -> socket.socket:
     """Return a socket that sends on one interface, "" for the system's choice. Raises OSError."""
-    sock = socket.socket(address.family, socket.SOCK_DGRAM)
-    try:
-        sock.setblocking(False)
+    with new_socket(address.family) as sock:
         if address.is_multicast and address.family == socket.AF_INET6:
             sock.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_MULTICAST_HOPS, address.ttl)
             if interface:
@@ -74,17 +73,12 @@ def open_sender(address: GroupAddress, interface: str) -> socket.socket:
             if interface:
                 request = _request(address.group, interface)
                 sock.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, request)
-    except OSError:
-        sock.close()
-        raise
     return sock
 
 
 def open_receiver(address: GroupAddress) -> socket.socket:
     """Return a socket bound to the group, which `join_group` then joins. Raises OSError."""
-    sock = socket.socket(address.family, socket.SOCK_DGRAM)
-    try:
-        sock.setblocking(False)
+    with new_socket(address.family) as sock:
         # Several programs of one machine may receive a group.
         if address.is_multicast:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -95,9 +89,6 @@ def open_receiver(address: GroupAddress) -> socket.socket:
         if is_wide and sys.platform == "linux":
             sock.setsockopt(*_MULTICAST_ALL[address.family], 0)
         sock.bind(("" if is_wide else address.group, address.port))
-    except OSError:
-        sock.close()
-        raise
     return sock
 
 
@@ -109,18 +100,14 @@ def open_unicast(address: GroupAddress) -> socket.socket | None:
     """
     if not address.is_multicast or sys.platform == "win32":
         return None
-    sock = socket.socket(address.family, socket.SOCK_DGRAM)
-    try:
-        sock.setblocking(False)
+    with contextlib.suppress(OSError), new_socket(address.family) as sock:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         if sys.platform == "linux":
             # Without this, the socket also receives the groups that other sockets have joined.
             sock.setsockopt(*_MULTICAST_ALL[address.family], 0)
         sock.bind(("", address.port))
-    except OSError:
-        sock.close()
-        return None
-    return sock
+        return sock
+    return None
 
 
 def join_group(sock: socket.socket, address: GroupAddress, interface: str) -> None:

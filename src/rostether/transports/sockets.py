@@ -8,7 +8,7 @@ import errno
 import os
 import re
 import socket
-from collections.abc import AsyncIterator, Callable, Collection
+from collections.abc import AsyncIterator, Callable, Collection, Iterator
 from weakref import WeakKeyDictionary
 
 from rostether.errors import TransportOpenError
@@ -53,6 +53,18 @@ _STREAM_OPTIONS = (
 _SEVERAL_FAILED = "Multiple exceptions: "
 _CONNECT_FAILED = "Connect call failed"
 _ERROR_NUMBER = re.compile(r"\[Errno (\d+)\]")
+
+
+@contextlib.contextmanager
+def new_socket(family: int, kind: int = socket.SOCK_DGRAM, protocol: int = -1) -> Iterator[socket.socket]:
+    """Yield a new socket that does not block; it is closed if the block raises OSError."""
+    sock = socket.socket(family, kind, protocol)
+    try:
+        sock.setblocking(False)
+        yield sock
+    except OSError:
+        sock.close()
+        raise
 
 
 def tune_stream(sock: socket.socket) -> None:

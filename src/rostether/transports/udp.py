@@ -18,7 +18,12 @@ from rostether.mechanisms.text import show_endpoint
 from rostether.transports.address import UdpAddress
 from rostether.transports.allow_list import AllowList
 from rostether.transports.peers import MAX_PEERS, PeerEntry, PeerTable, PeerTransport, SharedMedium
-from rostether.transports.sockets import RESOLVE_LIMIT_S, explain_bind_error, explain_connect_error
+from rostether.transports.sockets import (
+    RESOLVE_LIMIT_S,
+    explain_bind_error,
+    explain_connect_error,
+    new_socket,
+)
 from rostether.transports.transport import Transport
 
 # Ethernet's 1500, minus IPv6 and UDP headers (48) and those of tunnels: datagrams are never fragmented.
@@ -224,15 +229,10 @@ async def _resolve(host: str, port: int) -> tuple[int, _Peer]:
 
 def _make_socket(family: int, *, local: _Peer) -> socket.socket:
     """Bind a socket without asyncio, because event loops report errors differently."""
-    sock = socket.socket(family, socket.SOCK_DGRAM)
-    try:
-        sock.setblocking(False)
+    with new_socket(family) as sock:
         sock.bind(local)
         with contextlib.suppress(OSError):  # the system's own limit may be lower
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _RECEIVE_BUFFER_BYTES)
-    except OSError:
-        sock.close()
-        raise
     return sock
 
 
