@@ -29,20 +29,10 @@ MAX_QUEUE_DEPTH = 100_000
 # A day: the node of a board that is lost for longer is no longer useful.
 MAX_GRACE_S = 86_400.0
 
-DISCOVERY_KEYS = ("probe", "ignore")
-MATCH_KEYS = ("serial_number", "usb_id", "usb_location", "port", "address", "psk", "certificate")
-SETTING_KEYS = (
-    "baud",
-    "reset",
-    "namespace",
-    "remap",
-    "required_topics",
-    "access",
-    "queue_depths",
-    "grace_s",
-    "limits",
-)
-ACCESS_KEYS = ("publish", "subscribe", "serve", "call", "parameters")
+DISCOVERY_KEYS = DiscoverySettings.__struct_fields__
+MATCH_KEYS = DeviceMatch.__struct_fields__
+SETTING_KEYS = tuple(key for key in DeviceSettings.__struct_fields__ if key not in ("name", "match"))
+ACCESS_KEYS = Access.__struct_fields__
 
 
 def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
@@ -83,12 +73,14 @@ def _discovery(table: TomlTable) -> DiscoverySettings:
 
 def _match(table: TomlTable) -> DeviceMatch | None:
     """Return the match keys of a table, None if it has none: then only a link with its name selects it."""
+    usb_id = table.text("usb_id", is_usb_id, 'two groups of four hex digits, such as "2341:0043"')
+    address = table.text("address", _canonical, 'a numeric address, such as "192.168.1.20"')
     match = DeviceMatch(
         serial_number=table.text("serial_number"),
-        usb_id=_lower(table.text("usb_id", is_usb_id, 'two groups of four hex digits, such as "2341:0043"')),
+        usb_id=usb_id.lower() if usb_id is not None else None,
         usb_location=table.text("usb_location"),
         port=table.text("port", is_port_pattern, 'a path or pattern, such as "/dev/ttyUSB*"'),
-        address=_canonical(table.text("address", _is_address, 'a numeric address, such as "192.168.1.20"')),
+        address=_canonical(address) if address is not None else None,
         psk=table.text("psk", bool, "the file of its key"),
         certificate=table.text("certificate", bool, "the file of its certificate"),
     )
@@ -138,26 +130,14 @@ def _or(value: Any, base: Any) -> Any:
     return base if value is None else value
 
 
-def _lower(text: str | None) -> str | None:
-    return text if text is None else text.lower()
-
-
-def _is_address(text: str) -> bool:
+def _canonical(address: str) -> str | None:
+    """Return a numeric address in its usual form, None for another text."""
     from ipaddress import ip_address  # imported only if a network board is configured
 
     try:
-        ip_address(text)
+        return str(ip_address(address))
     except ValueError:
-        return False
-    return True
-
-
-def _canonical(text: str | None) -> str | None:
-    if text is None:
         return None
-    from ipaddress import ip_address
-
-    return str(ip_address(text))
 
 
 class Limit(NamedTuple):

@@ -59,7 +59,7 @@ class TomlTable:
         """Check that the table's own key is a node name."""
         self._check_graph_name(name, self._key_path)
 
-    def text(self, key: str, fits: Callable[[str], bool] = bool, hint: str = "a text") -> str | None:
+    def text(self, key: str, fits: Callable[[str], object] = bool, hint: str = "a text") -> str | None:
         """Return a string that `fits`."""
         value = self._content.get(key)
         if value is None or (isinstance(value, str) and fits(value)):
