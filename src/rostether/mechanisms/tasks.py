@@ -1,4 +1,4 @@
-"""Starts tasks in the background, and cancels tasks."""
+"""Starts tasks in the background, cancels tasks, and waits for events."""
 
 from __future__ import annotations
 
@@ -22,3 +22,12 @@ async def cancel_all(*tasks: asyncio.Future[Any]) -> None:
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def occurs_within(event: asyncio.Event, limit_s: float | None) -> bool:
+    """Wait until an event is set; return False if that takes longer than `limit_s` (None: no limit)."""
+    try:
+        async with asyncio.timeout(limit_s):
+            return await event.wait()
+    except TimeoutError:
+        return False

@@ -6,6 +6,7 @@ import asyncio
 import socket
 import sys
 
+from rostether.mechanisms.tasks import occurs_within
 from rostether.transports.sockets import new_socket
 
 # A querier asks all machines at least this often (RFC 3376, 8.2: 125 s), and may be a little late.
@@ -33,12 +34,7 @@ async def has_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | 
             return None
         for sock in sockets:
             loop.add_reader(sock, _read, sock, received)
-        try:
-            async with asyncio.timeout(duration_s):
-                await received.wait()
-        except TimeoutError:
-            return False
-        return True
+        return await occurs_within(received, duration_s)
     finally:
         for sock in sockets:
             loop.remove_reader(sock)

@@ -15,6 +15,7 @@ from msgspec.structs import replace
 
 from rostether.errors import ConfigError
 from rostether.graph.ports import Graph, Level, Report
+from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE
 from rostether.platform.command_channel import CommandChannel
 from rostether.platform.command_frame import MAX_PAYLOAD_BYTES, type_kind
@@ -182,11 +183,8 @@ class _FramedBridge:
         times.append(next_message_s if is_waiting else None)
         next_s = min((each for each in times if each is not None), default=float("inf"))
         self._has_message.clear()
-        try:
-            async with asyncio.timeout(None if next_s == float("inf") else max(0, next_s - time.monotonic())):
-                await self._has_message.wait()
-        except TimeoutError:
-            return
+        wait_s = None if next_s == float("inf") else max(0.0, next_s - time.monotonic())
+        await occurs_within(self._has_message, wait_s)
 
     def end(self) -> None:
         """Stop and release the robots, and close the sockets."""

@@ -20,6 +20,7 @@ from rostether.graph.ports import Level, Report, Snapshot, Subscriber
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.block_end import closed_at_end, task_beside
+from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.platform.sensor_files import read_state, write_state
 from rostether.platform.sensor_registration import Registration, fields_of
@@ -98,15 +99,11 @@ class SensingManager:
         while True:
             if following.done():
                 following.result()
-            try:
-                async with asyncio.timeout(STATE_PERIOD_S):
-                    await self._has_changes.wait()
-            except TimeoutError:
-                if self._registry.update_states(time.monotonic()):
-                    return
-            else:
+            if await occurs_within(self._has_changes, STATE_PERIOD_S):
                 await asyncio.sleep(GATHER_S)
                 self._has_changes.clear()
+                return
+            if self._registry.update_states(time.monotonic()):
                 return
 
     async def _follow_connections(self) -> None:

@@ -12,10 +12,13 @@ import asyncio
 import os
 import sys
 from collections.abc import AsyncIterator, Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
+from rostether.mechanisms.tasks import occurs_within
 from rostether.ports.port_pattern import is_port_pattern, named_ports
+from rostether.transports.port_holders import is_character_device
 from rostether.transports.serial_port import ListPorts, SerialPort, find_usb_location
 
 # How soon a board is noticed on systems without notifications; one check takes about 0.2 ms.
@@ -106,7 +109,7 @@ class PortWatch:
         real_paths = {os.path.realpath(port.path) for port in ports}
         for path in named_ports(self._entries):
             real_path = os.path.realpath(path)
-            if real_path not in real_paths and _is_terminal(real_path):
+            if real_path not in real_paths and is_character_device(real_path):
                 real_paths.add(real_path)
                 location = find_usb_location(real_path)
                 ports.append(SerialPort(path, "named in your settings", usb_location=location))
@@ -119,13 +122,6 @@ def folder_mark(folder: str) -> int:
         return os.stat(folder).st_mtime_ns  # noqa: PTH116 - four times a second
     except OSError:
         return 0
-
-
-def _is_terminal(path: str) -> bool:
-    try:
-        return Path(path).is_char_device()
-    except OSError:
-        return False
 
 
 class _ChangeSignal:
@@ -162,14 +158,9 @@ class _ChangeSignal:
 
     async def wait(self, limit_s: float) -> None:
         """Wait until a folder changes or the time limit passes."""
-        if self._has_changed:
-            return
-        self._changed.clear()
-        try:
-            async with asyncio.timeout(limit_s):
-                await self._changed.wait()
-        except TimeoutError:
-            return
+        if not self._has_changed:
+            self._changed.clear()
+            await occurs_within(self._changed, limit_s)
 
     def _note_change(self) -> None:
         if self._events is not None:
@@ -211,10 +202,8 @@ class FolderEvents:
 
     def drain(self) -> None:
         """Discard the events so far."""
-        try:
+        with suppress(BlockingIOError):
             os.read(self._descriptor, _READ_BYTES)
-        except BlockingIOError:
-            return
 
     def close(self) -> None:
         """Stop watching."""

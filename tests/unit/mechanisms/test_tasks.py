@@ -3,7 +3,7 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from rostether.mechanisms.tasks import cancel_all, start_task
+from rostether.mechanisms.tasks import cancel_all, occurs_within, start_task
 
 
 async def test_a_task_is_kept_until_it_ends() -> None:
@@ -32,3 +32,11 @@ async def test_all_cancelled_tasks_have_ended_and_their_errors_are_ignored() -> 
     await cancel_all(*tasks)
     assert all(task.done() for task in started)
     assert not tasks
+
+
+async def test_the_wait_for_an_event_has_a_limit() -> None:
+    event = asyncio.Event()
+    assert not await occurs_within(event, 0.01)
+    asyncio.get_running_loop().call_soon(event.set)
+    assert await occurs_within(event, 10.0)
+    assert await occurs_within(event, None)

@@ -13,6 +13,7 @@ from rostether.bridge.settings import BridgeSettings
 from rostether.errors import DefinitionError, InvalidNameError, TypeMismatchError
 from rostether.graph.ports import Graph, Level, Publisher
 from rostether.graph.static_transforms import STATIC_TOPIC, TRANSFORM_TYPES, StaticTransforms
+from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.interface import MessageType
 from rostether.rosserial.frame import SYNC
 from rostether.rosserial.packets import TopicInfo
@@ -213,10 +214,7 @@ class PublisherEndpoint:
             self._drop_held()
 
     async def _wait_decided(self) -> None:
-        try:
-            async with asyncio.timeout(SETUP_PAUSE_S):
-                await self._is_decided.wait()
-        except TimeoutError:
+        if not await occurs_within(self._is_decided, SETUP_PAUSE_S):
             self._has_paused = True
             self._drop_held()
 

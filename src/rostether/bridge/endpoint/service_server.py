@@ -16,6 +16,7 @@ from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError, ServiceCallError, ServiceTimeoutError
 from rostether.graph.ports import Graph, Level, ServiceServer
+from rostether.mechanisms.tasks import occurs_within
 from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
@@ -162,16 +163,11 @@ class ServiceServerEndpoint:
             self._lock.release()
 
     async def _wait_for_earlier_call(self, limit_s: float) -> None:
-        if self._earlier_call_ended.is_set():
-            return
-        try:
-            async with asyncio.timeout(limit_s):
-                await self._earlier_call_ended.wait()
-        except TimeoutError:
+        if not await occurs_within(self._earlier_call_ended, limit_s):
             raise ServiceTimeoutError(
                 f"{self.info.name}: the board is still busy with an earlier call after {limit_s:g} s; "
                 "call again later"
-            ) from None
+            )
 
     async def _call_board(self, request: bytes, limit_s: float) -> bytes:
         line, name = self._line, self.info.name

@@ -10,6 +10,7 @@ from msgspec import Struct
 
 from rostether.errors import ConfigError, SensorError
 from rostether.extras import install_command
+from rostether.mechanisms.tasks import occurs_within
 
 # The interval for a line that does not change.
 REPEAT_S = 1.0
@@ -40,11 +41,7 @@ class GpioLine(Struct, frozen=True):
                         request.read_edge_events()
                     values = request.get_values()
                     yield float(values[0] == gpiod.line.Value.ACTIVE)
-                    try:
-                        async with asyncio.timeout(REPEAT_S):
-                            await changed.wait()
-                    except TimeoutError:
-                        pass
+                    await occurs_within(changed, REPEAT_S)
             finally:
                 loop.remove_reader(request.fd)
         finally:

@@ -9,7 +9,7 @@ import asyncio
 import re
 import socket
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import asynccontextmanager
 from typing import Any
 
 from msgspec import Struct
@@ -21,6 +21,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.block_end import closed_at_end, task_beside
+from rostether.mechanisms.tasks import occurs_within
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS
 
 # A manager that restarts without its file knows all sensors again after a renewal period.
@@ -107,9 +108,7 @@ class RegisteredSensor:
                 continue
             backoff.reset()
             await asyncio.sleep(_SHORTEST_PERIOD_S)
-            with suppress(TimeoutError):
-                async with asyncio.timeout(RENEWAL_S):
-                    await self._has_changed.wait()
+            await occurs_within(self._has_changed, RENEWAL_S)
 
     async def _register(self) -> bool:
         what = self.description

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import AsyncGenerator
-from contextlib import aclosing, closing
+from contextlib import aclosing, closing, suppress
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +52,9 @@ class V4l2Camera:
                 capture.set_format(change.width or 640, change.height or 480, "MJPG")
                 # A driver that cannot deliver the wanted format chooses another one.
                 form = capture.get_format()
-                _try_rate(capture, rate_hz)
+                # Some drivers cannot set the rate; surplus pictures are dropped.
+                with suppress(OSError):
+                    capture.set_fps(rate_hz)
                 is_jpeg = form.pixel_format.name in ("MJPEG", "JPEG")
                 if not is_jpeg:
                     capture.set_format(form.width, form.height, "YUYV")
@@ -93,14 +95,6 @@ class V4l2Camera:
         device = self._video.Device(str(self._path))
         device.open()
         return device
-
-
-def _try_rate(capture: Any, rate_hz: float) -> None:
-    try:
-        capture.set_fps(rate_hz)
-    except OSError:
-        # Some drivers cannot set the rate; surplus pictures are dropped.
-        return
 
 
 def _video_package() -> Any:

@@ -11,14 +11,13 @@ radio which of the two protocols it uses.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 from collections.abc import Awaitable, Callable
 from typing import TypeAlias
 
 from rostether.errors import TransportError
 from rostether.mechanisms.backoff import Backoff
-from rostether.mechanisms.tasks import cancel_all
+from rostether.mechanisms.tasks import cancel_all, occurs_within
 from rostether.transports.address import SerialAddress, XbeeAddress
 from rostether.transports.link_quality import LinkQuality
 from rostether.transports.peers import PeerTable, SharedMedium
@@ -107,9 +106,7 @@ class XbeeListener(SmallWriter):
             self.peers.end_all(None)
             self._radio.is_ready = True
             self._pump()
-            with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(DRAIN_LIMIT_S):
-                    await self._drained.wait()
+            await occurs_within(self._drained, DRAIN_LIMIT_S)
         self._cancel_timers()
         if self._reopening is not None:
             await cancel_all(self._reopening)
