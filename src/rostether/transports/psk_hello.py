@@ -38,6 +38,8 @@ MAX_LINE_BYTES = 160
 _WORD = "RSPSK1"
 _ANSWER = re.compile(rb"RSPSK1 ([0-9a-f]{32}) ([0-9a-f]{64})")
 _GREETING = re.compile(rb"RSPSK1 ([0-9a-f]{32})")
+_NO_HELLO = "it sent no pre-shared-key hello; give it the key, see psk="
+_OTHER_KEY = "it has a different pre-shared key; use the same key on both sides, see psk="
 _PROOF = re.compile(rb"RSPSK1 ([0-9a-f]{64})")
 
 
@@ -56,17 +58,34 @@ def read_key(path: str) -> bytes:
     return key
 
 
-class ListenerHello:
+class _Hello:
+    """What both sides have: a nonce, and the bytes of a line that is not complete yet."""
+
+    def __init__(self, nonce: bytes | None) -> None:
+        self._nonce = (os.urandom(16) if nonce is None else nonce).hex()
+        self._pending = b""
+
+    def _receive_line(self, data: bytes) -> tuple[bytes, bytes] | None:
+        self._pending += data
+        line, end, rest = self._pending.partition(b"\n")
+        if len(line) > MAX_LINE_BYTES:
+            raise RemoteProtocolError(_NO_HELLO)
+        if not end:
+            return None
+        self._pending = b""
+        return line.removesuffix(b"\r"), rest
+
+
+class ListenerHello(_Hello):
     """The side of the listener: send `greeting`, then call `receive` until the key is proven.
 
     `keys` are the accepted keys by name; `proven` is then the name of the peer's key.
     """
 
     def __init__(self, keys: Mapping[str | None, bytes], nonce: bytes | None = None) -> None:
+        super().__init__(nonce)
         self._keys = keys
         self.proven: str | None = None
-        self._nonce = (os.urandom(16) if nonce is None else nonce).hex()
-        self._lines = _Lines()
 
     @property
     def greeting(self) -> bytes:
@@ -78,35 +97,32 @@ class ListenerHello:
 
         Raises RemoteProtocolError for a peer without the key.
         """
-        received = self._lines.receive_line(data)
+        received = self._receive_line(data)
         if received is None:
             return b"", None
         line, rest = received
         match = _ANSWER.fullmatch(line)
         if match is None:
-            raise RemoteProtocolError("it sent no pre-shared-key hello; give it the key, see psk=")
+            raise RemoteProtocolError(_NO_HELLO)
         theirs, proof = match[1].decode(), match[2].decode()
         for name, key in self._keys.items():
             if hmac.compare_digest(proof, _proof(key, "connector", self._nonce, theirs)):
                 self.proven = name
                 return f"{_WORD} {_proof(key, 'listener', self._nonce, theirs)}\n".encode(), rest
-        raise RemoteProtocolError(
-            "it has a different pre-shared key; use the same key on both sides, see psk="
-        )
+        raise RemoteProtocolError(_OTHER_KEY)
 
 
-class ConnectorHello:
+class ConnectorHello(_Hello):
     """The side of the peer that connects: call `receive` until the key is proven."""
 
     def __init__(self, key: bytes, nonce: bytes | None = None) -> None:
+        super().__init__(nonce)
         self._key = key
-        self._nonce = (os.urandom(16) if nonce is None else nonce).hex()
         self._expected = ""
-        self._lines = _Lines()
 
     def receive(self, data: bytes) -> tuple[bytes, bytes | None]:
         """Handle bytes; return the same as `ListenerHello.receive`. Raises the same error."""
-        received = self._lines.receive_line(data)
+        received = self._receive_line(data)
         if received is None:
             return b"", None
         line, rest = received
@@ -120,25 +136,8 @@ class ConnectorHello:
             return answer.encode(), self.receive(rest)[1]
         match = _PROOF.fullmatch(line)
         if match is None or not hmac.compare_digest(match[1].decode(), self._expected):
-            raise RemoteProtocolError(
-                "it has a different pre-shared key; use the same key on both sides, see psk="
-            )
+            raise RemoteProtocolError(_OTHER_KEY)
         return b"", rest
-
-
-class _Lines:
-    def __init__(self) -> None:
-        self._pending = b""
-
-    def receive_line(self, data: bytes) -> tuple[bytes, bytes] | None:
-        self._pending += data
-        line, end, rest = self._pending.partition(b"\n")
-        if len(line) > MAX_LINE_BYTES:
-            raise RemoteProtocolError("it sent no pre-shared-key hello; give it the key, see psk=")
-        if not end:
-            return None
-        self._pending = b""
-        return line.removesuffix(b"\r"), rest
 
 
 def _proof(key: bytes, role: str, listener_nonce: str, connector_nonce: str) -> str:
