@@ -9,13 +9,7 @@ from collections.abc import Callable
 
 from rostether.bridge.reporter import Notices, reason_of
 from rostether.bridge.settings import BridgeSettings
-from rostether.errors import (
-    AccessDeniedError,
-    GraphError,
-    InvalidNameError,
-    LocalProtocolError,
-    UnknownNameError,
-)
+from rostether.errors import GraphError, LocalProtocolError, TypeMismatchError, UnknownNameError
 from rostether.graph.ports import Graph, Level, ParamValue
 from rostether.ports.settings import ANY_ACCESS, Access
 from rostether.rosserial.host_link import HostLink
@@ -35,12 +29,12 @@ def to_answer(value: ParamValue) -> ParameterResponse | None:
     items = value if isinstance(value, list) else [value]
     if all(isinstance(item, int) for item in items):
         ints = tuple(int(item) for item in items if isinstance(item, int))
-        return (
-            ParameterResponse(ints=ints) if all(_INT32_MIN <= item <= _INT32_MAX for item in ints) else None
-        )
+        fit = all(_INT32_MIN <= item <= _INT32_MAX for item in ints)
+        return ParameterResponse(ints=ints) if fit else None
     if all(isinstance(item, int | float) and not isinstance(item, bool) for item in items):
         floats = tuple(float(item) for item in items if isinstance(item, int | float))
-        return ParameterResponse(floats=floats) if all(map(_fits_float32, floats)) else None
+        fit = all(abs(item) <= _FLOAT32_MAX or not math.isfinite(item) for item in floats)
+        return ParameterResponse(floats=floats) if fit else None
     if all(isinstance(item, str) for item in items):
         return ParameterResponse(strings=tuple(item for item in items if isinstance(item, str)))
     return None
@@ -114,13 +108,10 @@ class ParameterRelay:
             self._report(name, f"{reason}; {outcome}")
 
     async def _find(self, name: str) -> ParameterResponse:
-        timeout_s = self._settings.parameter_timeout_s
+        """Return the answer. Raises GraphError, InvalidNameError with the reason why there is none."""
         if self._access is not ANY_ACCESS:
-            try:
-                self._access.check("parameters", self._graph.resolve(name))
-            except (InvalidNameError, AccessDeniedError) as error:
-                self._report(name, str(error))
-                return ParameterResponse()
+            self._access.check("parameters", self._graph.resolve(name))
+        timeout_s = self._settings.parameter_timeout_s
         failure = f"no answer from the master within {timeout_s:g} s"
         try:
             async with asyncio.timeout(timeout_s):
@@ -129,35 +120,23 @@ class ParameterRelay:
                         value = await self._graph.get_param(name)
                         break
                     except UnknownNameError:
-                        self._report(name, "it is not set")
-                        return ParameterResponse()
-                    except InvalidNameError as error:
-                        self._report(name, str(error))
-                        return ParameterResponse()
+                        raise UnknownNameError("it is not set") from None
                     except GraphError as error:
                         failure = str(error)
                         await asyncio.sleep(RETRY_S)
         except TimeoutError:
-            self._report(name, failure)
-            return ParameterResponse()
-        answer = to_answer(value)
-        if answer is None:
-            self._report(
-                name,
+            raise GraphError(failure) from None
+        if (answer := to_answer(value)) is None:
+            raise TypeMismatchError(
                 "a board can read a 32-bit integer, a float, a string, a bool or a list of one of these, "
-                f"but this is {_describe(value)}",
+                f"but this is {_describe(value)}"
             )
-            return ParameterResponse()
         return answer
 
     def _report(self, name: str, reason: str) -> None:
         self._notices.report_episode(
             f"parameter {name[:80]}", Level.WARN, f"parameter {name}, requested by the board: {reason}"
         )
-
-
-def _fits_float32(value: float) -> bool:
-    return abs(value) <= _FLOAT32_MAX or not math.isfinite(value)
 
 
 def _describe(value: ParamValue) -> str:
