@@ -220,11 +220,10 @@ class Supervisor:
             lambda reason: self._reporter.report(Level.ERROR, f"{reason} (trying again)"),
             settle_s=0.0,
         )
-        while reason:
+        while True:
             await attempts.wait_after(reason)
-            reason = ""
             try:
-                await self._listen(address, on_transport)
+                return await self._listen(address, on_transport)
             except TransportOpenError as error:
                 reason = str(error)
 

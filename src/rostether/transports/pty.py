@@ -39,6 +39,8 @@ def open_pty(address: PtyAddress) -> PtyTransport:
         raise ConfigError(
             f"{address} needs pseudo-terminals, which Windows does not have; use tcp://:11411 there"
         )
+    import tty  # Windows lacks this module
+
     link = PtyLink(Path(address.link))
     try:
         master, slave = os.openpty()
@@ -48,7 +50,7 @@ def open_pty(address: PtyAddress) -> PtyTransport:
         ) from error
     try:
         terminal = os.ttyname(slave)
-        _set_raw(slave)
+        tty.setraw(slave)
         os.set_blocking(master, False)
         link.place(terminal)
     except OSError as error:
@@ -250,12 +252,6 @@ class PtyTransport:
         self._link.remove()
         if self._receiver is not None:
             self._loop.call_soon(self._receiver.connection_lost, None)
-
-
-def _set_raw(slave: int) -> None:
-    import tty  # Windows lacks this module
-
-    tty.setraw(slave)
 
 
 @contextlib.contextmanager

@@ -171,7 +171,7 @@ class _UdpClient(_DatagramSocket):
     def __init__(self) -> None:
         super().__init__()
         self.peers = PeerTable(
-            self._medium("udp client", self._send_connected),
+            self._medium("udp client", lambda _peer, data: self.send(None, data)),
             lambda _transport: None,
             on_forget=lambda _peer: self.close_wire(),
         )
@@ -184,9 +184,6 @@ class _UdpClient(_DatagramSocket):
     def datagram_received(self, data: bytes, addr: _Peer) -> None:
         if self.only_peer is not None:
             self.only_peer.deliver(data)
-
-    def _send_connected(self, _peer: _Peer, data: bytes | bytearray | memoryview) -> None:
-        self.send(None, data)
 
 
 async def connect_udp(address: UdpAddress) -> Transport:

@@ -50,7 +50,9 @@ class EndpointFindings:
     def find(self, now_s: float, too_large_s: float, oversizes: Oversizes) -> list[Finding]:
         """Return the findings; at `too_large_s`, the board reported that its own message was too large."""
         found = _refusals(self._endpoints.refused)
-        found += [_unopened(name, reason) for name, reason in self._endpoints.unopened.items()]
+        for name, reason in self._endpoints.unopened.items():
+            seen, step = split_step(f"{name} is not bridged: {reason}", "read the log of this program")
+            found.append(error(Code.NOT_BRIDGED, seen, step, name, is_reported=True))
         silent = []
         for _, endpoint in self._endpoints:
             found += self._too_long(endpoint, oversizes, now_s)
@@ -165,11 +167,6 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
         default = "correct the definition"
     reason, step = split_step(text, default)
     return error(code, f"{unbridged}: {reason}", step, topics[0], is_reported=True)
-
-
-def _unopened(name: str, text: str) -> Finding:
-    reason, step = split_step(text, "read the log of this program")
-    return error(Code.NOT_BRIDGED, f"{name} is not bridged: {reason}", step, name, is_reported=True)
 
 
 def _too_large(silent: list[PublisherEndpoint]) -> Finding:

@@ -66,11 +66,11 @@ class BoardStatus(Struct, frozen=True):
 
 def read_statuses(array: Any) -> list[BoardStatus]:
     """Return the boards of a diagnostic_msgs/DiagnosticArray, without the entries of other programs."""
-    return [_read(status) for status in array.status if _is_board(status)]
-
-
-def _is_board(status: Any) -> bool:
-    return status.name.endswith(STATUS_SUFFIX) and any(each.key == "state" for each in status.values)
+    return [
+        _read(status)
+        for status in array.status
+        if status.name.endswith(STATUS_SUFFIX) and any(each.key == "state" for each in status.values)
+    ]
 
 
 def _read(status: Any) -> BoardStatus:

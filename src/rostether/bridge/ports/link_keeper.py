@@ -88,7 +88,8 @@ class LinkKeeper:
             path = await self._wait_until_present()
             address, identity = self._identify(path)
             try:
-                transport = await self._open_link(address if path is None else _with_path(address, path))
+                at_path = isinstance(address, SerialAddress) and path is not None
+                transport = await self._open_link(replace(address, path=path) if at_path else address)
             except TransportError as error:
                 await attempts.wait_after(str(error))
                 continue
@@ -170,7 +171,3 @@ def _terminal_created_ns(path: str) -> int | None:
         return os.stat(path).st_ctime_ns  # noqa: PTH116 - ten times a second
     except OSError:
         return None
-
-
-def _with_path(address: Address, path: str) -> Address:
-    return replace(address, path=path) if isinstance(address, SerialAddress) else address
