@@ -9,7 +9,6 @@ from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.service_client import ServiceClientEndpoint
 from rostether.bridge.endpoint.service_server import ServiceServerEndpoint
 from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
-from rostether.bridge.outbound.stamps import has_header
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import TypeMismatchError
@@ -64,23 +63,14 @@ class EndpointFactory:
         info = event.info
         name = self._graph.resolve(info.topic_name)
         self._access.check(ACCESS_KINDS[event.role], name)
-        message_type = self._store.registry.message_type(info.message_type)
-        self._check_md5sum(info.message_type, info.md5sum, message_type.md5sum)
-        layout = self._store.layout(info.message_type)
+        known = self._store.registry.message_type(info.message_type)
+        self._check_md5sum(info.message_type, info.md5sum, known.md5sum)
         if event.role is TopicRole.PUBLISHER:
             return PublisherEndpoint(
-                info,
-                message_type,
-                layout,
-                self._graph,
-                self._notices,
-                self._settings,
-                self._admit,
-                has_header=has_header(self._store.registry, info.message_type),
+                info, self._store, self._graph, self._notices, self._settings, self._admit
             )
-        return SubscriberEndpoint(
-            info, message_type, layout, self._graph, self._notices, self._queue_depths.get(name)
-        )
+        depth = self._queue_depths.get(name)
+        return SubscriberEndpoint(info, self._store, self._graph, self._notices, depth)
 
     def service(self, event: ServiceAnnounced) -> ServiceServerEndpoint | ServiceClientEndpoint:
         """Make a service's endpoint.
@@ -94,28 +84,8 @@ class EndpointFactory:
             (event.response, service_type.response),
         ):
             self._check_md5sum(known.name, announced.md5sum, known.md5sum)
-        request_layout = self._store.layout(service_type.request.name)
-        response_layout = self._store.layout(service_type.response.name)
-        if event.role is ServiceRole.SERVER:
-            return ServiceServerEndpoint(
-                event,
-                service_type,
-                request_layout,
-                response_layout,
-                self._graph,
-                self._notices,
-                self._settings,
-            )
-        return ServiceClientEndpoint(
-            event,
-            service_type,
-            request_layout,
-            response_layout,
-            self._store.codec(service_type.response.name).encode({}),
-            self._graph,
-            self._notices,
-            self._settings,
-        )
+        kind = ServiceServerEndpoint if event.role is ServiceRole.SERVER else ServiceClientEndpoint
+        return kind(event, self._store, self._graph, self._notices, self._settings)
 
     def _check_md5sum(self, type_name: str, announced: str, known: str) -> None:
         if announced == known:

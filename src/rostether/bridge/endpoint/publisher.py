@@ -8,16 +8,16 @@ from functools import partial
 from struct import Struct
 
 from rostether.bridge.endpoint.board_line import BoardLine, stop_receiving
+from rostether.bridge.outbound.stamps import has_header
 from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import DefinitionError, InvalidNameError, TypeMismatchError
 from rostether.graph.ports import Graph, Level, Publisher
 from rostether.graph.static_transforms import STATIC_TOPIC, TRANSFORM_TYPES, StaticTransforms
 from rostether.mechanisms.tasks import occurs_within
-from rostether.msgdef.interface import MessageType
 from rostether.rosserial.frame import SYNC
 from rostether.rosserial.packets import TopicInfo
-from rostether.serde.layout import Layout
+from rostether.serde.store import TypeStore
 
 # Messages kept until the topic is advertised: a master answers in milliseconds, a flood fills this in 20 ms.
 HELD_BYTES = 256 * 1024
@@ -37,29 +37,26 @@ class PublisherEndpoint:
     def __init__(
         self,
         info: TopicInfo,
-        message_type: MessageType,
-        layout: Layout,
+        store: TypeStore,
         graph: Graph,
         notices: Notices,
         settings: BridgeSettings,
         admit: Callable[[int], int] | None = None,
-        *,
-        has_header: bool = False,
     ) -> None:
         self.info = info
         self.message_count = 0
         self.misfit_count = 0
         self.dropped_count = 0
-        self._type = message_type
-        self._layout = layout
-        self._accepts_all = layout.accepts_all
+        self._type = store.registry.message_type(info.message_type)
+        self._layout = store.layout(info.message_type)
+        self._accepts_all = self._layout.accepts_all
         self._graph = graph
         self._notices = notices
         self._settings = settings
         self._admit = admit
-        self._has_header = has_header
+        self._has_header = has_header(store.registry, info.message_type)
         # As every static broadcaster, the board latches its transforms: in ROS 2, tf2 requires it.
-        is_static = message_type.name in TRANSFORM_TYPES and graph.resolve(info.topic_name).endswith(
+        is_static = self._type.name in TRANSFORM_TYPES and graph.resolve(info.topic_name).endswith(
             STATIC_TOPIC
         )
         self._static_transforms = StaticTransforms() if is_static else None

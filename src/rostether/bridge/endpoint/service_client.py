@@ -14,25 +14,21 @@ from rostether.bridge.reporter import Notices, reason_of
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import LocalProtocolError
 from rostether.graph.ports import Graph, Level, ListsClients, ServiceClient
-from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
-from rostether.serde.layout import Layout
+from rostether.serde.store import TypeStore
 
 # A board waits for each response before it calls again; more than a few waiting requests are damage.
 MAX_WAITING_REQUESTS = 8
 
 
 class ServiceClientEndpoint:
-    """One service that the board calls; `zero_response` is the serialized response with all fields zero."""
+    """One service that the board calls."""
 
     def __init__(
         self,
         info: ServiceAnnounced,
-        service_type: ServiceType,
-        request_layout: Layout,
-        response_layout: Layout,
-        zero_response: bytes,
+        store: TypeStore,
         graph: Graph,
         notices: Notices,
         settings: BridgeSettings,
@@ -41,10 +37,10 @@ class ServiceClientEndpoint:
         self.message_count = 0
         self.misfit_count = 0
         self.dropped_count = 0
-        self._type = service_type
-        self._request_layout = request_layout
-        self._response_layout = response_layout
-        self._zero_response = zero_response
+        self._type = store.registry.service_type(info.type)
+        self._request_layout = store.layout(self._type.request.name)
+        self._response_layout = store.layout(self._type.response.name)
+        self._zero_response = store.codec(self._type.response.name).encode({})
         self._graph = graph
         self._notices = notices
         self._settings = settings

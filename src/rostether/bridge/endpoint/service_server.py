@@ -18,10 +18,9 @@ from rostether.errors import LocalProtocolError, ServiceCallError, ServiceTimeou
 from rostether.graph.ports import Graph, Level, ServiceServer
 from rostether.mechanisms.tasks import occurs_within
 from rostether.mechanisms.text import counted
-from rostether.msgdef.interface import ServiceType
 from rostether.rosserial.events import ServiceAnnounced
 from rostether.rosserial.frame import MAX_PAYLOAD_BYTES
-from rostether.serde.layout import Layout
+from rostether.serde.store import TypeStore
 
 # A board requests the time every 2.5 s, and unconfigures itself after 11 s without an answer. If it has not
 # shown in this time that it finished the call that timed out, it has lost the request.
@@ -36,9 +35,7 @@ class ServiceServerEndpoint:
     def __init__(
         self,
         info: ServiceAnnounced,
-        service_type: ServiceType,
-        request_layout: Layout,
-        response_layout: Layout,
+        store: TypeStore,
         graph: Graph,
         notices: Notices,
         settings: BridgeSettings,
@@ -47,9 +44,9 @@ class ServiceServerEndpoint:
         self.message_count = 0
         self.misfit_count = 0
         self.dropped_count = 0
-        self._type = service_type
-        self._request_layout = request_layout
-        self._response_layout = response_layout
+        self._type = store.registry.service_type(info.type)
+        self._request_layout = store.layout(self._type.request.name)
+        self._response_layout = store.layout(self._type.response.name)
         self._graph = graph
         self._notices = notices
         self._settings = settings

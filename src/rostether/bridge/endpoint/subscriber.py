@@ -9,9 +9,8 @@ from rostether.bridge.outbound.topic_queue import TopicQueue
 from rostether.bridge.reporter import Notices
 from rostether.graph.ports import Graph, Level, Subscriber
 from rostether.mechanisms.text import counted
-from rostether.msgdef.interface import MessageType
 from rostether.rosserial.packets import TopicInfo
-from rostether.serde.layout import Layout
+from rostether.serde.store import TypeStore
 
 
 class SubscriberEndpoint:
@@ -20,8 +19,7 @@ class SubscriberEndpoint:
     def __init__(
         self,
         info: TopicInfo,
-        message_type: MessageType,
-        layout: Layout,
+        store: TypeStore,
         graph: Graph,
         notices: Notices,
         queue_depth: int | None = None,
@@ -31,9 +29,9 @@ class SubscriberEndpoint:
         self.misfit_count = 0
         self.largest_oversize_bytes = 0
         self.has_latched_source = False
-        self._type = message_type
-        self._layout = layout
-        self._accepts_all = layout.accepts_all
+        self._type = store.registry.message_type(info.message_type)
+        self._layout = store.layout(info.message_type)
+        self._accepts_all = self._layout.accepts_all
         self._graph = graph
         self._notices = notices
         self._queue_depth = queue_depth

@@ -7,7 +7,6 @@ from collections.abc import Callable
 import pytest
 
 from rostether.bridge.endpoint.publisher import HELD_BYTES, PublisherEndpoint
-from rostether.bridge.outbound.stamps import has_header
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import TypeMismatchError
 from rostether.graph.ports import Graph
@@ -26,13 +25,11 @@ def endpoint(
 ) -> PublisherEndpoint:
     return PublisherEndpoint(
         topic_info("chatter", type_name),
-        STORE.registry.message_type(type_name),
-        STORE.layout(type_name),
+        STORE,
         graph if graph is not None else world.board,
         world.notices,
         BridgeSettings(messages_hz=messages_hz),
         admit,
-        has_header=has_header(STORE.registry, type_name),
     )
 
 

@@ -25,10 +25,7 @@ ZERO = b"\x00\0\0\0\0"
 def endpoint(world: World, *, timeout_s: float = 5.0, name: str = "switch") -> ServiceClientEndpoint:
     return ServiceClientEndpoint(
         service(ServiceRole.CLIENT, name),
-        TYPE,
-        STORE.layout("std_srvs/SetBoolRequest"),
-        STORE.layout("std_srvs/SetBoolResponse"),
-        ZERO,
+        STORE,
         world.board,
         world.notices,
         BridgeSettings(client_call_timeout_s=timeout_s),

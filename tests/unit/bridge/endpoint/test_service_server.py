@@ -23,9 +23,7 @@ DONE = b"\x01\x02\0\0\0ok"
 def endpoint(world: World, *, timeout_s: float = 5.0, queued_calls: int = 32) -> ServiceServerEndpoint:
     return ServiceServerEndpoint(
         service(ServiceRole.SERVER),
-        TYPE,
-        STORE.layout("std_srvs/SetBoolRequest"),
-        STORE.layout("std_srvs/SetBoolResponse"),
+        STORE,
         world.board,
         world.notices,
         BridgeSettings(service_timeout_s=timeout_s, queued_calls=queued_calls),

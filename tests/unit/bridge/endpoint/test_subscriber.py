@@ -13,8 +13,7 @@ STRING = STORE.registry.message_type("std_msgs/String")
 def endpoint(world: World, type_name: str = "std_msgs/String", buffer_size: int = 280) -> SubscriberEndpoint:
     return SubscriberEndpoint(
         topic_info("led", type_name, topic_id=100, buffer_size=buffer_size),
-        STORE.registry.message_type(type_name),
-        STORE.layout(type_name),
+        STORE,
         world.board,
         world.notices,
     )
