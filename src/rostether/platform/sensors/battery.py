@@ -5,10 +5,7 @@ Source: Linux, Documentation/ABI/testing/sysfs-class-power. Values there are in 
 
 from __future__ import annotations
 
-import asyncio
 import math
-from collections.abc import AsyncGenerator
-from contextlib import aclosing
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -96,7 +93,7 @@ async def publish_battery(
     async with registered_sensor(graph, description, report) as sensor:
 
         def publish(fields: dict[str, Any]) -> None:
-            sensor.publish(header={"stamp": graph.now(), "frame_id": description.frame_id}, **fields)
+            sensor.publish(header=sensor.header(), **fields)
             is_low = fields["percentage"] < alert_below and fields["power_supply_status"] in (0, _DISCHARGING)
             text = f"below {alert_below:.0%}" if is_low else ""
             if math.isnan(fields["percentage"]):
@@ -104,20 +101,11 @@ async def publish_battery(
                 text = "its driver does not report the charge"
             sensor.set_state("alert" if text else "ready", text)
 
-        await publish_readings(
-            sensor,
-            lambda: _readings(supply, description.rate_hz),
-            publish,
-            report,
-            hint="choose a folder of a battery with ~path",
-        )
+        def read() -> dict[str, Any]:
+            return read_battery(supply if supply is not None else find_battery())
 
-
-async def _readings(supply: Path | None, rate_hz: float) -> AsyncGenerator[dict[str, Any], None]:
-    found = supply if supply is not None else await asyncio.to_thread(find_battery)
-    async with aclosing(paced(partial(read_battery, found), rate_hz)) as readings:
-        async for reading in readings:
-            yield reading
+        readings = partial(paced, read, description.rate_hz)
+        await publish_readings(sensor, readings, publish, hint="choose a folder of a battery with ~path")
 
 
 def _charge(supply: Path, which: str) -> float:

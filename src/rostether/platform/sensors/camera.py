@@ -45,11 +45,11 @@ async def publish_pictures(
     """
     async with registered_sensor(graph, description, report) as sensor:
         if detector is None:
-            await _Camera(graph, sensor, source, None, None).run(report)
+            await _Camera(sensor, source, None, None).run()
             return
         detections = await graph.publisher(f"{description.topic}/detections", _DETECTIONS_TYPE)
         async with closed_at_end(detections):
-            await _Camera(graph, sensor, source, detector, detections).run(report)
+            await _Camera(sensor, source, detector, detections).run()
 
 
 class _Camera:
@@ -57,30 +57,27 @@ class _Camera:
 
     def __init__(
         self,
-        graph: TypedGraph,
         sensor: RegisteredSensor,
         source: PictureSource,
         detector: CascadeDetector | None,
         detections: TypedPublisher[...] | None,
     ) -> None:
-        self._graph = graph
         self._sensor = sensor
         self._source = source
         self._detector = detector
         self._detections = detections
         self._count = 0
 
-    async def run(self, report: Report) -> None:
+    async def run(self) -> None:
         """Publish until canceled."""
-        await publish_readings(self._sensor, self._while_wanted, self._publish, report, hint=_HINT)
+        await publish_readings(self._sensor, self._while_wanted, self._publish, hint=_HINT)
 
     def _publish(self, reading: tuple[list[Region], bytes] | None) -> None:
         self._sensor.set_state("ready")
         if reading is None:
             return
         regions, picture = reading
-        frame_id = self._sensor.description.frame_id
-        header = {"seq": self._count, "stamp": self._graph.now(), "frame_id": frame_id}
+        header = {"seq": self._count, **self._sensor.header()}
         self._count += 1
         self._sensor.publish(header=header, format="jpeg", data=picture)
         if self._detections is not None and self._detector is not None:

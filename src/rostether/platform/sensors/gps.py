@@ -42,8 +42,7 @@ async def publish_positions(
                     report(Level.WARN, f"{description.id}: no position from {address}: {position}")
                 return
             reported = ""
-            header = {"stamp": graph.now(), "frame_id": description.frame_id}
-            sensor.publish(header=header, **position.fields)
+            sensor.publish(header=sensor.header(), **position.fields)
             if position.has_fix:
                 sensor.set_state("ready")
             else:
@@ -53,7 +52,6 @@ async def publish_positions(
             sensor,
             lambda: positions(address, max(_REPORT_S, _REPORT_S / description.rate_hz)),
             publish,
-            report,
             hint="plug the receiver in, or choose another ~port",
         )
 

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from rostether.errors import SensorError
 from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, draw_test_picture, pillow
-from rostether.platform.sensors.readings import Pace
+from rostether.platform.sensors.readings import Pace, paced
 
 # Larger than the picture of any camera.
 _MAX_PICTURE_BYTES = 32 << 20
@@ -41,12 +41,10 @@ class DrawnTestPictures:
     def check(self) -> None:
         """Do nothing: test pictures are always available."""
 
-    async def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
+    def pictures(self, rate_hz: float) -> AsyncGenerator[bytes, None]:
         """Yield pictures with a moving square and a counter."""
-        pace = Pace(rate_hz)
-        for count in itertools.count():
-            yield await asyncio.to_thread(draw_test_picture, count, self._change)
-            await pace.wait()
+        counts = itertools.count()
+        return paced(lambda: draw_test_picture(next(counts), self._change), rate_hz)
 
 
 class PictureFolder:

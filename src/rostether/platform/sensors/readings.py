@@ -8,7 +8,7 @@ from contextlib import aclosing
 from typing import TypeVar
 
 from rostether.errors import ConfigError, RostetherError
-from rostether.graph.ports import Level, Report
+from rostether.graph.ports import Level
 from rostether.mechanisms.repeat_limiter import RepeatLimiter
 from rostether.platform.sensor_state import SILENT_S
 from rostether.platform.sensors.registered_sensor import RegisteredSensor
@@ -52,7 +52,6 @@ async def publish_readings(
     sensor: RegisteredSensor,
     open_source: Callable[[], AsyncGenerator[T, None]],
     publish: Callable[[T], None],
-    report: Report,
     *,
     hint: str,
     silence: str = "",
@@ -62,7 +61,7 @@ async def publish_readings(
     If `open_source` raises OSError or RostetherError, the device is opened again each second; `hint` is the
     advice for the user, which follows the error. `silence` is the reason to show while no reading arrives.
     """
-    loop = asyncio.get_running_loop()
+    loop, report = asyncio.get_running_loop(), sensor.report
     period_s = 1 / sensor.description.rate_hz if sensor.description.rate_hz else 0.0
     silence_s = max(SILENT_S, 3 * period_s)
     failure = ""
@@ -101,5 +100,7 @@ async def publish_readings(
         # Without a limit, one damaged picture in a folder would be reported each time.
         if reason != failure and limiter.admit(reason, loop.time()) is not None:
             failure = reason
-            report(Level.ERROR, f"{sensor.description.id}: {reason}; {hint}; trying again every second")
+            sensor.report(
+                Level.ERROR, f"{sensor.description.id}: {reason}; {hint}; trying again every second"
+            )
         await asyncio.sleep(RETRY_S)

@@ -72,7 +72,7 @@ class RegisteredSensor:
         self.description = description
         self.publisher = publisher
         self._graph = graph
-        self._report = report
+        self.report = report
         self._state = "init"
         self._state_text = ""
         self._has_changed = asyncio.Event()
@@ -83,6 +83,10 @@ class RegisteredSensor:
     def is_wanted(self) -> bool:
         """Whether a program receives the messages."""
         return self.publisher.subscriber_count > 0 and not self._is_refused
+
+    def header(self) -> dict[str, object]:
+        """Return the header of a message that is made now."""
+        return {"stamp": self._graph.now(), "frame_id": self.description.frame_id}
 
     def publish(self, **fields: Any) -> bool:
         """Publish a message, unless another node publishes this sensor.
@@ -141,7 +145,7 @@ class RegisteredSensor:
     def _report_once(self, level: Level, text: str) -> None:
         if text != self._reported:
             self._reported = text
-            self._report(level, text)
+            self.report(level, text)
 
 
 @asynccontextmanager

@@ -68,7 +68,7 @@ async def publish_values(
             elif loop.time() >= alert_until_s:
                 sensor.set_state("ready")
 
-        await publish_readings(sensor, open_source, publish, report, hint=hint, silence=silence)
+        await publish_readings(sensor, open_source, publish, hint=hint, silence=silence)
 
 
 class TopicField:
