@@ -8,7 +8,6 @@ from typing import TypeAlias
 from msgspec import Struct
 
 from rostether.mechanisms.text import show_endpoint
-from rostether.transports.tls import TlsFiles
 
 # The baud rate of rosserial_arduino.
 DEFAULT_BAUD = 57600
@@ -85,6 +84,18 @@ class SerialAddress(_NamedAddress, frozen=True):
 
     def __str__(self) -> str:
         return self.path
+
+
+class TlsFiles(Struct, frozen=True):
+    """PEM files: a certificate, its key (None: in the same file), and the authority of the peer.
+
+    A listener needs a certificate; with `ca`, it accepts only boards that have one too. A connector checks
+    the listener's certificate with `ca`, or else with the system's authorities.
+    """
+
+    cert: str | None = None
+    key: str | None = None
+    ca: str | None = None
 
 
 class TcpAddress(_EndpointAddress, frozen=True):

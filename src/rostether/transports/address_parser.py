@@ -26,13 +26,13 @@ from rostether.transports.address import (
     SerialAddress,
     SimAddress,
     TcpAddress,
+    TlsFiles,
     UdpAddress,
     WebAddress,
     XbeeAddress,
 )
 from rostether.transports.address_advice import MAX_PORT, WINDOWS_PORT, address_advice, is_number
 from rostether.transports.allow_list import check_networks
-from rostether.transports.tls import TlsFiles
 from rostether.transports.xbee.radio_address import parse_radio_address
 
 # No USB bridge has a faster UART; the limit detects a typing error.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from types import MappingProxyType
 
 from msgspec import Struct
@@ -43,7 +44,6 @@ def read_board_keys(keys: Iterable[str], certificates: Iterable[str]) -> BoardKe
 
 def _read_certificate(path: str) -> bytes:
     import ssl  # only needed with certificates
-    from pathlib import Path
 
     try:
         with Path(path).expanduser().open("rb") as file:

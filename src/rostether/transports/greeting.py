@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import ssl
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from rostether.errors import (
     ConfigError,
@@ -13,6 +13,7 @@ from rostether.errors import (
     TransportError,
     TransportTimeoutError,
 )
+from rostether.transports.address import TlsFiles
 from rostether.transports.board_keys import NO_KEYS, NO_PROOF, BoardKeys, Proof
 from rostether.transports.psk_hello import PSK_LIMIT_S, ConnectorHello, ListenerHello, read_key
 from rostether.transports.sockets import explain_reason
@@ -20,15 +21,11 @@ from rostether.transports.stream import StreamTransport
 from rostether.transports.tls import (
     SPEAKS_NO_TLS,
     ListenerTls,
-    TlsFiles,
     clear_handshake,
     connector_context,
     show_ssl_reason,
 )
 from rostether.transports.transport import SmallWriter
-
-if TYPE_CHECKING:
-    import ssl
 
 # `psk=devices`: only the keys that devices.toml has for individual boards.
 DEVICES_PSK = "devices"
@@ -94,8 +91,6 @@ class Greeting:
 
 
 def _explain_handshake(error: OSError) -> str:
-    import ssl
-
     if isinstance(error, ssl.SSLError) and error.reason in SPEAKS_NO_TLS:
         return "the other side does not speak TLS; use tls: on both sides"
     if isinstance(error, ssl.SSLCertVerificationError):

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import logging
+import ssl
 import traceback
 from collections.abc import Collection
 from contextlib import suppress
-from typing import TYPE_CHECKING
-
-from msgspec import Struct
+from pathlib import Path
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import read_failure
-
-if TYPE_CHECKING:
-    import ssl
-    from pathlib import Path
+from rostether.transports.address import TlsFiles
 
 _LOG = logging.getLogger(__name__)
 
@@ -27,18 +23,6 @@ _MAX_FILE_BYTES = 1024 * 1024
 _DATE_FAULTS = {9: "certificate is not yet valid", 10: "certificate has expired"}
 # OpenSSL's errors for a peer that does not send TLS.
 SPEAKS_NO_TLS = frozenset({"HTTP_REQUEST", "HTTPS_PROXY_REQUEST", "UNKNOWN_PROTOCOL", "WRONG_VERSION_NUMBER"})
-
-
-class TlsFiles(Struct, frozen=True):
-    """PEM files: a certificate, its key (None: in the same file), and the authority of the peer.
-
-    A listener needs a certificate; with `ca`, it accepts only boards that have one too. A connector checks
-    the listener's certificate with `ca`, or else with the system's authorities.
-    """
-
-    cert: str | None = None
-    key: str | None = None
-    ca: str | None = None
 
 
 def clear_handshake(error: OSError) -> None:
@@ -54,8 +38,6 @@ def listener_context(files: TlsFiles, certificates: Collection[bytes] = ()) -> s
 
     Raises ConfigError.
     """
-    import ssl  # only needed with TLS
-
     if files.cert is None:
         raise ConfigError("a tls: listener needs a certificate; write tls://HOST:PORT?cert=FILE&key=FILE")
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
@@ -112,8 +94,6 @@ class ListenerTls:
 
 def connector_context(files: TlsFiles) -> ssl.SSLContext:
     """Return the context of a connector. Raises ConfigError."""
-    import ssl
-
     context = ssl.create_default_context()
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     _load(context, files)
@@ -122,9 +102,6 @@ def connector_context(files: TlsFiles) -> ssl.SSLContext:
 
 def load_own_certificate(context: ssl.SSLContext, certificate: str, key: str | None) -> None:
     """Load a certificate and its key, which may be in one file. Raises ConfigError that names the file."""
-    import ssl
-    from pathlib import Path
-
     certificate_path = Path(certificate).expanduser()
     key_path = certificate_path if key is None else Path(key).expanduser()
     if b"-----BEGIN CERTIFICATE-----" not in _read(certificate_path):
@@ -158,8 +135,6 @@ def _find_date_fault(certificate: Path, key: Path) -> str | None:
 
     Python checks the dates only in a handshake, so this runs one in memory. The peer trusts the certificate.
     """
-    import ssl
-
     own, peer = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER), ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     own.load_cert_chain(certificate, key)
     peer.check_hostname = False
@@ -192,8 +167,6 @@ def _read(path: Path) -> bytes:
 
 
 def _version(file: str | None) -> tuple[int, ...] | None:
-    from pathlib import Path
-
     try:
         status = None if file is None else Path(file).expanduser().stat()
     except OSError:
@@ -202,9 +175,6 @@ def _version(file: str | None) -> tuple[int, ...] | None:
 
 
 def _load(context: ssl.SSLContext, files: TlsFiles) -> None:
-    import ssl
-    from pathlib import Path
-
     if files.cert is not None:
         load_own_certificate(context, files.cert, files.key)
     if files.ca is None:

@@ -10,10 +10,9 @@ import pytest
 
 from rostether.errors import ConfigError, TransportError
 from rostether.ports.devices_toml import parse_devices_toml
-from rostether.transports.address import TcpAddress
+from rostether.transports.address import TcpAddress, TlsFiles
 from rostether.transports.board_keys import BoardKeys, Proof, read_board_keys
 from rostether.transports.tcp import TcpListener, TcpTransport, connect_tcp
-from rostether.transports.tls import TlsFiles
 from rostether.transports.transport import Transport
 
 

@@ -25,13 +25,14 @@ from rostether.gateways.websocket.settings import (
 )
 from rostether.gateways.websocket.site import Site
 from rostether.mechanisms.text import show_endpoint
+from rostether.transports.address import TlsFiles
 from rostether.transports.own_names import OwnNames
 from rostether.transports.sockets import (
     close_servers,
     explain_reason,
     start_server,
 )
-from rostether.transports.tls import ListenerTls, TlsFiles
+from rostether.transports.tls import ListenerTls
 
 _LOOPBACK_HOSTS = ("127.0.0.1", "::1")
 _EVERYWHERE = ("", "0.0.0.0", "::")  # noqa: S104 - compared, not bound

@@ -17,7 +17,8 @@ from cryptography import x509
 from rostether.errors import ConfigError
 from rostether.gateways.websocket import own_authority
 from rostether.gateways.websocket.own_authority import OwnCertificate, own_certificate
-from rostether.transports.tls import TlsFiles, listener_context
+from rostether.transports.address import TlsFiles
+from rostether.transports.tls import listener_context
 
 
 async def greeted(made: OwnCertificate, name: str) -> None:
