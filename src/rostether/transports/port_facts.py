@@ -10,7 +10,7 @@ from pathlib import Path
 from msgspec import Struct
 
 from rostether.transports.port_holders import Holder, find_holders, is_character_device
-from rostether.transports.serial_port import ListPorts, SerialPort
+from rostether.transports.serial_port import ListPorts
 
 # The number of ports that fits on a line.
 LISTED_PORTS = 6
@@ -42,23 +42,24 @@ class PortFacts(Struct, frozen=True):
 
 def read_port_facts(path: str, list_ports: ListPorts) -> PortFacts:
     """Return the facts about a port. Takes a few ms, because it reads /proc."""
-    if os.name == "nt":
-        return _windows_facts(path, list_ports())
-    exists = os.path.exists(path)  # noqa: PTH110 - follows links as opening does
-    if not exists:
-        shown = {port.path: f"{port.path} ({port.description})" for port in list_ports()}
+    # Windows has no files for its ports.
+    has_files = os.name != "nt"
+    if has_files and os.path.exists(path):  # noqa: PTH110 - follows links as opening does
         return PortFacts(
             path,
-            exists=False,
-            near=tuple(shown.get(each, each) for each in near_names(path, list(shown))),
-            others=tuple(shown.values())[:LISTED_PORTS],
+            is_device=is_character_device(path),
+            may_open=may_open(path),
+            group=group_of(path),
+            holders=tuple(find_holders(path)),
         )
+    shown = {port.path: f"{port.path} ({port.description})" for port in list_ports()}
+    exists = not has_files and path.upper().removeprefix("\\\\.\\") in map(str.upper, shown)
+    near = near_names(path, list(shown)) if has_files else get_close_matches(path, shown, n=3)
     return PortFacts(
         path,
-        is_device=is_character_device(path),
-        may_open=may_open(path),
-        group=group_of(path),
-        holders=tuple(find_holders(path)),
+        exists=exists,
+        near=tuple(shown.get(each, each) for each in near),
+        others=tuple(shown.values())[:LISTED_PORTS],
     )
 
 
@@ -99,10 +100,3 @@ def group_of(path: str) -> str | None:
     if group == "root" or status.st_mode & _GROUP_MAY_USE != _GROUP_MAY_USE:
         return None
     return group
-
-
-def _windows_facts(path: str, ports: Sequence[SerialPort]) -> PortFacts:
-    shown = {port.path: f"{port.path} ({port.description})" for port in ports}
-    exists = path.upper().removeprefix("\\\\.\\") in (each.upper() for each in shown)
-    near = tuple(shown[each] for each in get_close_matches(path, shown, n=3))
-    return PortFacts(path, exists=exists, near=near, others=tuple(shown.values())[:LISTED_PORTS])
