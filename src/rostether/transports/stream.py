@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import errno
-from typing import TYPE_CHECKING, cast
+import ssl
+from typing import cast
 
 from rostether.errors import PeerClosedError, TransportClosedError, TransportError
 from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.sockets import explain_reason
 from rostether.transports.tls import HANDSHAKE_LIMIT_S
 from rostether.transports.transport import Receiver
-
-if TYPE_CHECKING:
-    import ssl
 
 # A board that does not read must not delay the end of this process: later data is lost.
 FLUSH_LIMIT_S = 1.0

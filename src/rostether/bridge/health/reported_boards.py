@@ -5,15 +5,12 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from contextlib import aclosing
-from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
 from rostether.bridge.health.board_status import TOPIC, TYPE, BoardStatus, read_statuses
+from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.block_end import task_beside
-
-if TYPE_CHECKING:
-    from rostether.graph.typed_graph import TypedGraph
 
 # After two missing reports, the board or its bridge counts as disconnected.
 STALE_S = 3.0
