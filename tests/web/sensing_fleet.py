@@ -17,12 +17,9 @@ from rostether.platform.fleet_monitor import FleetMonitor
 from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.sensing_manager import SensingManager
+from rostether.platform.sensor_registration import SensorDescription
 from rostether.platform.sensors.jpeg import PictureChange, draw_test_picture
-from rostether.platform.sensors.registered_sensor import (
-    RegisteredSensor,
-    SensorDescription,
-    registered_sensor,
-)
+from rostether.platform.sensors.registered_sensor import RegisteredSensor, registered_sensor
 from unit.platform.datagrams import loopback_group, running
 from unit.platform.typed_nodes import Lines
 

@@ -10,7 +10,8 @@ from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.graph.node_parameters import NodeParameters
-from rostether.platform.sensors.registered_sensor import SensorDescription, platform_word
+from rostether.platform.sensor_registration import SensorDescription
+from rostether.platform.sensors.registered_sensor import platform_word
 
 # Faster sources would occupy the event loop.
 MAX_RATE_HZ = 1000.0

@@ -1,4 +1,4 @@
-"""The request to register a sensor by id, and the checks of its fields."""
+"""The description of a sensor, the request to register it by id, and the checks of its fields."""
 
 from __future__ import annotations
 
@@ -36,21 +36,31 @@ def fields_of(described: object) -> dict[str, Any]:
     return {name: getattr(described, name) for name in _SHARED_FIELDS}
 
 
-class Registration(Struct, frozen=True):
+class SensorDescription(Struct, frozen=True):
+    """Describes a sensor; `id` is the robot's name and the sensor's name, such as `robot3/front`."""
+
+    id: str
+    platform: str
+    sensor_type: str
+    message_type: str
+    name: str = ""
+    unit: str = ""
+    frame_id: str = ""
+    rate_hz: float = 0.0
+
+    @property
+    def topic(self) -> str:
+        """The full name of its topic, as the manager assigns it."""
+        return f"/sensors/{self.id}"
+
+
+class Registration(SensorDescription, frozen=True, kw_only=True):
     """A request to register by id, or to renew the lease.
 
     `instance` identifies the process: while it holds the lease, other processes are refused.
     """
 
-    id: str
     instance: str
-    name: str
-    platform: str
-    sensor_type: str
-    message_type: str
-    unit: str = ""
-    frame_id: str = ""
-    rate_hz: float = 0.0
     lease_s: float = 0.0
     state: str = "ready"
     state_text: str = ""

@@ -13,8 +13,9 @@ from typing import Any
 from rostether.errors import SensorError
 from rostether.graph.ports import Report
 from rostether.graph.typed_graph import TypedGraph
+from rostether.platform.sensor_registration import SensorDescription
 from rostether.platform.sensors.readings import paced, publish_readings
-from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
+from rostether.platform.sensors.registered_sensor import registered_sensor
 
 MESSAGE_TYPE = "sensor_msgs/BatteryState"
 FOLDER = Path("/sys/class/power_supply")

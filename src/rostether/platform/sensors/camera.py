@@ -12,14 +12,11 @@ from rostether.graph.ports import Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.platform.sensor_registration import SensorDescription
 from rostether.platform.sensors.cascade import CascadeDetector, Region
 from rostether.platform.sensors.picture_sources import PictureSource
 from rostether.platform.sensors.readings import publish_readings
-from rostether.platform.sensors.registered_sensor import (
-    RegisteredSensor,
-    SensorDescription,
-    registered_sensor,
-)
+from rostether.platform.sensors.registered_sensor import RegisteredSensor, registered_sensor
 
 MESSAGE_TYPE = "sensor_msgs/CompressedImage"
 _DETECTIONS_TYPE = "sensing_platform/Detections"

@@ -8,9 +8,10 @@ from collections.abc import AsyncGenerator
 from rostether.errors import SensorError, TransportError
 from rostether.graph.ports import Level, Report
 from rostether.graph.typed_graph import TypedGraph
+from rostether.platform.sensor_registration import SensorDescription
 from rostether.platform.sensors.nmea import NmeaReader, Position
 from rostether.platform.sensors.readings import publish_readings
-from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
+from rostether.platform.sensors.registered_sensor import registered_sensor
 from rostether.transports.address import Address
 from rostether.transports.opening import open_transport
 from rostether.transports.transport import SmallWriter

@@ -12,7 +12,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from msgspec import Struct
 from msgspec.structs import asdict
 
 from rostether.errors import GraphError
@@ -22,6 +21,7 @@ from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.block_end import closed_at_end, task_beside
 from rostether.mechanisms.tasks import occurs_within
+from rostether.platform.sensor_registration import SensorDescription
 from rostether.platform.sensor_state import MAX_STATE_TEXT_CHARACTERS
 
 # A manager that restarts without its file knows all sensors again after a renewal period.
@@ -33,24 +33,6 @@ RETRY_S = 0.5
 _SHORTEST_PERIOD_S = 0.2
 # Less than half of the lease: if a call gets no answer, another one can still renew it.
 _CALL_LIMIT_S = 5.0
-
-
-class SensorDescription(Struct, frozen=True):
-    """Describes a sensor; `id` is the robot's name and the sensor's name, such as `robot3/front`."""
-
-    id: str
-    platform: str
-    sensor_type: str
-    message_type: str
-    name: str = ""
-    unit: str = ""
-    frame_id: str = ""
-    rate_hz: float = 0.0
-
-    @property
-    def topic(self) -> str:
-        """The full name of its topic, as the manager assigns it."""
-        return f"/sensors/{self.id}"
 
 
 def platform_word(platform: str) -> str:

@@ -12,8 +12,9 @@ from msgspec import Struct
 from rostether.errors import ConfigError, SensorError
 from rostether.graph.ports import Report
 from rostether.graph.typed_graph import TypedGraph
+from rostether.platform.sensor_registration import SensorDescription
 from rostether.platform.sensors.readings import publish_readings
-from rostether.platform.sensors.registered_sensor import SensorDescription, registered_sensor
+from rostether.platform.sensors.registered_sensor import registered_sensor
 from rostether.serde.field_path import FieldPath
 
 MESSAGE_TYPE = "std_msgs/Float64"

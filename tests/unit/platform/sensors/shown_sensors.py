@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensing_manager import SensingManager
-from rostether.platform.sensors.registered_sensor import SensorDescription
+from rostether.platform.sensor_registration import SensorDescription
 from rostether.serde.values import Message
 from unit.platform.datagrams import running
 from unit.platform.typed_nodes import Lines, typed_nodes
