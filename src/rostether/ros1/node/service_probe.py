@@ -44,8 +44,8 @@ async def probe_type(client: MasterClient, service: str) -> str:
     return await probe_uri(service, await look_up(client, service))
 
 
-async def probe_uri(service: str, uri: str) -> str:
-    """Return the type of the service at a URI. Raises ServiceUnavailableError."""
+async def probe_header(service: str, uri: str, *, caller_id: str) -> dict[str, str]:
+    """Return the connection header of a service. Raises ConfigError for its URI, other RostetherErrors."""
     found: dict[str, str] = {}
 
     def accept(fields: dict[str, str], transport: asyncio.Transport) -> asyncio.Protocol:
@@ -53,9 +53,15 @@ async def probe_uri(service: str, uri: str) -> str:
         transport.close()
         return asyncio.Protocol()
 
+    address = parse_rpc_uri(uri, scheme="rosrpc")
+    await connect(address.host, address.port, probe_fields(service, caller_id=caller_id), accept)
+    return found
+
+
+async def probe_uri(service: str, uri: str) -> str:
+    """Return the type of the service at a URI. Raises ServiceUnavailableError."""
     try:
-        address = parse_rpc_uri(uri, scheme="rosrpc")
-        await connect(address.host, address.port, probe_fields(service, caller_id=TOOL_NAME), accept)
+        found = await probe_header(service, uri, caller_id=TOOL_NAME)
     except RostetherError as error:
         raise ServiceUnavailableError(
             f"service {service} is registered at {uri} but does not answer ({error}); "

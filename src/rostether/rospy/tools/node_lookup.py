@@ -5,19 +5,17 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Iterable
-from typing import Any
+from contextlib import suppress
 
 from rostether.errors import ConfigError, RostetherError
-from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.machines import hosts_of_machine
-from rostether.ros1.xmlrpc_client import XmlRpcClient
+from rostether.ros1.node.node_queries import NODE_TIMEOUT_S, ask, node_client, ping
 from rostether.rospy.client.node import node
 from rostether.rospy.tools.graph_names import make_global_ns
 from rostether.rospy.tools.master_tools import Master, MasterError, MasterException, master_required
 
 # As in rosnode.
-PING_TIMEOUT_S = 3.0
 PING_INTERVAL_S = 1.0
 _OWN_NAME = "/rosnode"
 
@@ -72,17 +70,16 @@ def rosnode_ping(
         sys.stderr.write(f"cannot ping [{node_name}]: unknown node\n")
         return False
     if verbose:
-        print(f"pinging {node_name} with a timeout of {PING_TIMEOUT_S}s")
+        print(f"pinging {node_name} with a timeout of {NODE_TIMEOUT_S}s")
     count = 0
     while True:
-        start_s = time.monotonic()
         try:
-            _call(uri, "getPid")
-        except (RostetherError, TimeoutError):
+            reply_s = node.loop.call(ping(node_name, uri))
+        except RostetherError:
             sys.stderr.write(f"connection to [{node_name}] failed\n")
             return False
         if verbose:
-            print(f"xmlrpc reply from {uri}\ttime={(time.monotonic() - start_s) * 1000:f}ms")
+            print(f"xmlrpc reply from {uri}\ttime={reply_s * 1000:f}ms")
         count += 1
         if max_count and count >= max_count:
             return True
@@ -109,11 +106,9 @@ def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
             unknown.append(name)
             continue
         asked.append(name)
-        try:
-            _call(uri, "shutdown", "user request")
-        except (RostetherError, TimeoutError):
-            # A node that ends immediately does not answer.
-            continue
+        # A node that ends immediately does not answer.
+        with suppress(RostetherError):
+            node.loop.call(_ask_to_end(name, uri))
     return asked, unknown
 
 
@@ -170,9 +165,6 @@ def _machines() -> list[tuple[str, str]]:
     return found
 
 
-def _call(uri: str, method: str, *arguments: Any) -> None:
-    async def call() -> None:
-        async with closed_at_end(XmlRpcClient(uri)) as client:
-            await client.call_status(method, _OWN_NAME, *arguments)
-
-    node.loop.call(call(), timeout_s=PING_TIMEOUT_S)
+async def _ask_to_end(name: str, uri: str) -> None:
+    async with node_client(name, uri) as peer:
+        await ask(peer, "shutdown", "user request")

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import Any
 
 from rostether.errors import ConfigError, RostetherError
-from rostether.ros1.environment import parse_rpc_uri
-from rostether.ros1.tcpros_connection import connect
+from rostether.ros1.node.service_probe import probe_header
 from rostether.rospy.client.exceptions import ROSException, ServiceException
 from rostether.rospy.client.message import MessageException
 from rostether.rospy.client.message_arguments import fill_message_args, get_printable_message_args
@@ -17,7 +15,6 @@ from rostether.rospy.client.ros_time import get_rostime
 from rostether.rospy.client.services import ServiceProxy
 from rostether.rospy.tools.graph_names import make_global_ns, script_resolve_name
 from rostether.rospy.tools.master_tools import Master, MasterException, master_required
-from rostether.tcpros.handshake import probe_fields
 
 _OWN_NAME = "/rosservice"
 
@@ -70,26 +67,15 @@ def get_service_headers(service_name: str, service_uri: str) -> dict[str, str]:
     Raises ROSServiceException for an invalid URI, ROSServiceIOException if the server does not answer.
     """
     try:
-        address = parse_rpc_uri(service_uri, scheme="rosrpc")
+        return node.loop.call(probe_header(service_name, service_uri, caller_id=_OWN_NAME))
     except ConfigError:
         raise ROSServiceException(
             f"service [{service_name}] has an invalid RPC URI [{service_uri}]"
         ) from None
-    found: dict[str, str] = {}
-
-    def accept(fields: dict[str, str], transport: asyncio.Transport) -> asyncio.Protocol:
-        found.update(fields)
-        transport.close()
-        return asyncio.Protocol()
-
-    fields = probe_fields(service_name, caller_id=_OWN_NAME)
-    try:
-        node.loop.call(connect(address.host, address.port, fields, accept))
     except RostetherError:
         raise ROSServiceIOException(
             f"Unable to communicate with service [{service_name}], address [{service_uri}]"
         ) from None
-    return found
 
 
 def get_service_type(service_name: str) -> str | None:
