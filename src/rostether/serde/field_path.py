@@ -34,7 +34,7 @@ class FieldPath:
                     f"{within} has no fields, so {self.text!r} cannot continue with {part!r}; end it there"
                 )
             member = _member(tree, name)
-            index = _read_index(part, rest) if bracket else None
+            index = read_index(part, rest) if bracket else None
             self.type: FieldType = member.type
             self._steps.append((name, index))
             tree = _inside(member, index, is_last=number == len(parts))
@@ -83,8 +83,8 @@ def _inside(member: Member, index: int | slice | None, *, is_last: bool) -> Stru
     return node.element if isinstance(node.element, Struct) else None
 
 
-def _read_index(part: str, rest: str) -> int | slice:
-    """Read `3]` or `1:10:2]`."""
+def read_index(part: str, rest: str) -> int | slice:
+    """Read `3]` or `1:10:2]`, the rest of a part of a path after its `[`. Raises ConfigError."""
     name = part.partition("[")[0]
     texts = rest.removesuffix("]").split(":")
     try:

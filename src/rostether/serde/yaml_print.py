@@ -8,6 +8,7 @@ char[] prints as a list of numbers, and so does a uint8[] selected by a field pa
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any, Final
 
 from msgspec import Struct
@@ -72,7 +73,7 @@ class _Printer:
         if isinstance(value, Message):
             return self.message(value, indent)
         if isinstance(value, str):
-            return _quoted(clean_text(value))
+            return quoted_text(clean_text(value))
         if isinstance(value, Time | Duration):
             return self._stamp(value, indent)
         if isinstance(value, list | bytes):
@@ -97,7 +98,7 @@ class _Printer:
             return "[]"
         first = values[0]
         if isinstance(first, str):
-            return _string_list([clean_text(str(each)) for each in values], indent)
+            return string_list([clean_text(str(each)) for each in values], indent)
         if isinstance(first, bool | int | float) and not isinstance(first, Time | Duration):
             if self._style.number_width is None or isinstance(first, bool):
                 return str(list(values))
@@ -123,7 +124,8 @@ class _Printer:
         return f"\n{indent}secs: {secs:{width}d}\n{indent}nsecs: {nsecs:{width}d}"
 
 
-def _quoted(text: str) -> str:
+def quoted_text(text: str) -> str:
+    """Return a string in quotes."""
     if not text:
         return "''"
     if _PLAIN_TEXT.fullmatch(text):
@@ -134,8 +136,9 @@ def _quoted(text: str) -> str:
     return quoted.rstrip("\n")
 
 
-def _string_list(texts: list[str], indent: str) -> str:
+def string_list(texts: Sequence[str], indent: str) -> str:
+    """Return strings as one line for each, after a newline."""
     import yaml
 
-    lines: str = yaml.dump(texts)
+    lines: str = yaml.dump(list(texts))
     return "\n" + "\n".join(indent + line for line in lines.rstrip("\n").splitlines())

@@ -15,6 +15,7 @@ from rostether.rospy.client.stamps import TVal
 from rostether.serde.codec import Codec
 from rostether.serde.type_tree import Array, Number, Struct
 from rostether.serde.values import Message as _SerdeMessage
+from rostether.serde.yaml_print import quoted_text, string_list
 
 
 class MessageException(Exception):  # noqa: N818 - the name is genpy's
@@ -209,7 +210,7 @@ def strify_message(
         shown_time = val - time_offset if time_offset is not None and hasattr(val, "to_time") else val
         return f"\n{indent}secs: {shown_time.secs}\n{indent}nsecs: {shown_time.nsecs:9d}"
     if isinstance(val, str):
-        return _quoted(val)
+        return quoted_text(val)
     if isinstance(val, list | tuple):
         return _list_text(val, indent, time_offset, current_time, field_filter)
     return str(val)
@@ -219,21 +220,10 @@ def _list_text(values: Any, indent: str, *settings: Any) -> str:
     if not values:
         return "[]"
     if isinstance(values[0], str):
-        import yaml
-
-        lines = str(yaml.dump(values)).rstrip("\n").splitlines()
-        return "\n" + "\n".join(indent + line for line in lines)
+        return string_list(values, indent)
     if isinstance(values[0], int | float):
         return str(list(values))
     return "\n" + "\n".join(f"{indent}- {strify_message(each, f'{indent}  ', *settings)}" for each in values)
-
-
-def _quoted(text: str) -> str:
-    if not text:
-        return "''"
-    import yaml
-
-    return str(yaml.dump(text, default_style='"')).rstrip("\n")
 
 
 def _with_byte_list(value: Any, kind: str) -> Any:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from rostether.errors import ConfigError
 from rostether.rospy.client.message import MessageException
 from rostether.rospy.client.message_arguments import fill_message_args, get_printable_message_args
 from rostether.rospy.client.message_types import all_types, get_message_class
@@ -14,6 +15,7 @@ from rostether.rospy.client.ros_time import Rate, get_rostime
 from rostether.rospy.client.shutdown import is_shutdown
 from rostether.rospy.tools.graph_names import ANYTYPE, script_resolve_name
 from rostether.rospy.tools.master_tools import Master, master_required
+from rostether.serde.field_path import read_index
 
 # As in rostopic.
 _POLL_S = 0.1
@@ -89,8 +91,8 @@ def msgevalgen(pattern: str) -> ReadField | None:
         index: int | slice | None = None
         if bracket:
             try:
-                index = _index_of(rest)
-            except ValueError:
+                index = read_index(part, rest)
+            except ConfigError:
                 sys.stderr.write(f"field '{name}' has invalid slice argument '{rest.removesuffix(']')}'\n")
                 return None
         steps.append((name, index))
@@ -184,15 +186,3 @@ def _has_field(kind: str, path: str) -> bool:
 def _types() -> list[tuple[str, str]]:
     with master_required(ROSTopicIOException):
         return [(name, kind) for name, kind in Master("/rostopic").getTopicTypes()]
-
-
-def _index_of(text: str) -> int | slice:
-    """Return the index or slice in a text such as `3]` or `1:10:2]`. Raises ValueError."""
-    if not text.endswith("]"):
-        raise ValueError(text)
-    parts = [int(part) if part else None for part in text.removesuffix("]").split(":")]
-    if len(parts) > 3 or parts == [None]:
-        raise ValueError(text)
-    if len(parts) == 1 and parts[0] is not None:
-        return parts[0]
-    return slice(*parts)
