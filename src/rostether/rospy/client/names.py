@@ -123,16 +123,13 @@ def get_name() -> str:
 
 
 get_caller_id = get_name
+resolve_name = names.resolve
+resolve_name_without_node_name = names.resolve_early
 
 
 def get_namespace() -> str:
     """Return the node's namespace, with a slash at the end."""
     return names.namespace
-
-
-def resolve_name(name: str, caller_id: str | None = None) -> str:
-    """Return the full name after remapping."""
-    return names.resolve(name, caller_id)
 
 
 def remap_name(name: str, caller_id: str | None = None, resolved: bool = True) -> str:
@@ -148,11 +145,6 @@ def get_mappings() -> dict[str, str]:
 def get_resolved_mappings() -> dict[str, str]:
     """Return the remappings between full names."""
     return names.resolved_mappings
-
-
-def resolve_name_without_node_name(name: str) -> str:
-    """Return a full name before init_node. Raises ValueError, ROSInitException."""
-    return names.resolve_early(name)
 
 
 def get_ros_root(required: bool = False, env: Mapping[str, str] | None = None) -> str | None:

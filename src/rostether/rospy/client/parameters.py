@@ -27,9 +27,8 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
         return default
 
 
-def get_param_cached(param_name: str, default: Any = _UNSPECIFIED) -> Any:
-    """Return a parameter's value, like `get_param`: the master is asked each time. Raises the same errors."""
-    return get_param(param_name, default)
+# Asks the master each time, too.
+get_param_cached = get_param
 
 
 def get_param_names() -> list[str]:
