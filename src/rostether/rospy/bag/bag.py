@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
+from functools import cache
 from io import UnsupportedOperation
 from pathlib import Path
 from typing import Any
@@ -28,10 +29,10 @@ from rostether.rospy.bag.facts import (
     yaml_text,
 )
 from rostether.rospy.bag.types import (
-    BagTypes,
     ROSBagException,
     ROSBagFormatException,
     ROSBagUnindexedException,
+    class_of,
     header_of,
     raw_parts,
     with_header,
@@ -48,8 +49,11 @@ VERSION = 200
 class Bag:
     """A bag opened for reading (`r`), writing (`w`) or appending (`a`); `skip_index` has no effect.
 
+    `filename` and `mode` are as given, `version` is that of the format.
     Raises ROSBagException, ValueError for an invalid argument, OSError for a missing file.
     """
+
+    version = VERSION
 
     def __init__(
         self,
@@ -68,13 +72,13 @@ class Bag:
         if mode not in ("r", "w", "a"):
             raise ValueError(f'mode "{mode}" is invalid')
         settings = dict(options or {})
-        self._filename = str(f)
-        self._mode = mode
+        self.filename = str(f)
+        self.mode = mode
         self._compression = settings.get("compression", compression)
         self._chunk_threshold = settings.get("chunk_threshold", chunk_threshold)
         self._reader: RecordingReader | None = None
         self._writer: BagWriter | None = None
-        self._types = BagTypes()
+        self._class_of = cache(class_of)
         path = self._path = Path(f)
         # For a missing file, stat() raises FileNotFoundError, as rosbag does.
         if mode == "r":
@@ -100,21 +104,6 @@ class Bag:
 
     def __str__(self) -> str:
         return self._get_yaml_info()
-
-    @property
-    def filename(self) -> str:
-        """The file's name, as given."""
-        return self._filename
-
-    @property
-    def version(self) -> int:
-        """The format's version: 200."""
-        return VERSION
-
-    @property
-    def mode(self) -> str:
-        """The mode in which the bag was opened."""
-        return self._mode
 
     @property
     def options(self) -> dict[str, Any]:
@@ -259,7 +248,7 @@ class Bag:
 
     def _get_yaml_info(self, key: str | None = None) -> str:
         with self._reading() as reader:
-            return yaml_text(self._filename, reader, key)
+            return yaml_text(self.filename, reader, key)
 
     def _open(self, path: Path) -> RecordingReader:
         try:
@@ -312,18 +301,20 @@ class Bag:
         return span_ns
 
     def _converted(self, found: Iterator[RecordedMessage], *, raw: bool, with_header: bool) -> Iterator[Any]:
-        for connection, time_ns, payload in _with_rosbag_errors(found):
-            stamp = Time(*divmod(time_ns, NS_PER_S))
-            made = self._types.class_of(connection.type)
-            message: Any
-            if raw:
-                message = (connection.type.name, payload, connection.type.md5sum, None, made)
-            else:
-                message = read_message(made, payload)
-            if with_header:
-                yield BagMessageWithConnectionHeader(connection.topic, message, stamp, header_of(connection))
-            else:
-                yield BagMessage(connection.topic, message, stamp)
+        with _rosbag_errors():
+            for connection, time_ns, payload in found:
+                stamp = Time(*divmod(time_ns, NS_PER_S))
+                made = self._class_of(connection.type)
+                message: Any
+                if raw:
+                    message = (connection.type.name, payload, connection.type.md5sum, None, made)
+                else:
+                    message = read_message(made, payload)
+                if with_header:
+                    header = header_of(connection)
+                    yield BagMessageWithConnectionHeader(connection.topic, message, stamp, header)
+                else:
+                    yield BagMessage(connection.topic, message, stamp)
 
 
 _CLOSED = "I/O operation on closed bag"
@@ -336,11 +327,6 @@ def _rosbag_errors() -> Iterator[None]:
         yield
     except (RecordingError, ConfigError) as error:
         raise ROSBagException(str(error)) from None
-
-
-def _with_rosbag_errors(found: Iterator[RecordedMessage]) -> Iterator[RecordedMessage]:
-    with _rosbag_errors():
-        yield from found
 
 
 def _names(topics: Any) -> frozenset[str] | None:

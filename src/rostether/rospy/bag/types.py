@@ -13,23 +13,6 @@ from rostether.rospy.client.message import Message
 from rostether.rospy.client.message_types import MessageTypes, all_types
 
 
-class BagTypes:
-    """The classes of one bag."""
-
-    def __init__(self) -> None:
-        self._classes: dict[MessageType, type[Message]] = {}
-
-    def class_of(self, kind: MessageType) -> type[Message]:
-        """Return a type's class. Raises ROSBagException if it cannot be read."""
-        found = self._classes.get(kind)
-        if found is None:
-            try:
-                found = self._classes[kind] = _message_class(kind)
-            except RostetherError as error:
-                raise ROSBagException(f"{kind.name} cannot be read: {error}") from None
-        return found
-
-
 def header_of(connection: Connection) -> dict[str, bytes]:
     """Return the header of a connection; as in rosbag, its values are bytes."""
     return {key: value.encode("utf-8", "surrogateescape") for key, value in connection.fields().items()}
@@ -63,8 +46,18 @@ def raw_parts(message: Any) -> tuple[MessageType, bytes]:
     return known, payload
 
 
-def _message_class(kind: MessageType) -> type[Message]:
-    """Return the class of this process if its type is the same, else a class of the recorded definition."""
+def class_of(kind: MessageType) -> type[Message]:
+    """Return the class of this process if its type is the same, else a class of the recorded definition.
+
+    Raises ROSBagException if the type cannot be read.
+    """
+    try:
+        return _class_of(kind)
+    except RostetherError as error:
+        raise ROSBagException(f"{kind.name} cannot be read: {error}") from None
+
+
+def _class_of(kind: MessageType) -> type[Message]:
     try:
         own = all_types().message_class(kind.name)
     except RostetherError:
