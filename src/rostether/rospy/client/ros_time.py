@@ -6,6 +6,8 @@ import threading
 import time
 from typing import Any
 
+from msgspec import Struct
+
 from rostether.rospy.client import stamps
 from rostether.rospy.client.exceptions import (
     ROSInitException,
@@ -144,22 +146,17 @@ class Rate:
         return self.sleep_dur - (now - self.last_time)
 
 
-class TimerEvent:
-    """The argument of a timer's callback: the expected and real times of this call and of the last one."""
+class TimerEvent(Struct):
+    """The argument of a timer's callback: the expected and real times of this call and of the last one.
 
-    def __init__(
-        self,
-        last_expected: Time | None,
-        last_real: Time | None,
-        current_expected: Time,
-        current_real: Time,
-        last_duration: float | None,
-    ) -> None:
-        self.last_expected = last_expected
-        self.last_real = last_real
-        self.current_expected = current_expected
-        self.current_real = current_real
-        self.last_duration = last_duration
+    `last_duration` is the time in seconds that the last callback took.
+    """
+
+    last_expected: Time | None
+    last_real: Time | None
+    current_expected: Time
+    current_real: Time
+    last_duration: float | None
 
 
 class Timer(threading.Thread):

@@ -8,11 +8,11 @@ from functools import cache
 from pathlib import Path
 
 from rostether.errors import ConfigError
+from rostether.packages.locate import package_around
 from rostether.packages.package_xml import (
     PACKAGE_FILE,
     ROSBUILD_FILE,
     PackageXml,
-    is_package,
     read_package_xml,
 )
 from rostether.packages.search_path import find_packages, ros_package_path, walk
@@ -138,11 +138,8 @@ def get_package_name(path: str) -> str | None:
 
 def get_dir_pkg(d: str) -> tuple[str | None, str | None]:
     """Return the folder of the package that contains a path, and its name, or (None, None)."""
-    start = Path(d).resolve()
-    for folder in (start, *start.parents):
-        if is_package(folder):
-            return str(folder), folder.name
-    return None, None
+    folder = package_around(Path(d).resolve())
+    return (None, None) if folder is None else (str(folder), folder.name)
 
 
 def get_pkg_dir(
