@@ -19,7 +19,7 @@ from rostether.codegen.library_folder import check_parent, write_library_folder
 from rostether.codegen.library_source import SOURCE_FOLDER, client_library, library_files
 from rostether.codegen.message_headers import generate_headers
 from rostether.codegen.type_index import TypeIndex
-from rostether.codegen.wanted_types import WantedTypes, all_types, types_of_packages, types_of_sketch
+from rostether.codegen.wanted_types import all_types, types_of_packages, types_of_sketch
 from rostether.errors import CodegenError
 from rostether.msgdef.registry import Registry
 
@@ -92,11 +92,11 @@ def render_library(
         for path in library_files(source)
         if is_complete or not path.startswith(_ONLY_WITH_ALL_TYPES)
     }
-    wanted = (
-        all_types(index)
-        if is_complete
-        else _selected(index, source / SOURCE_FOLDER, for_sketch, packages or (), search)
-    )
+    if is_complete:
+        wanted = all_types(index)
+    else:
+        wanted = types_of_sketch(index, for_sketch, library_sources=source / SOURCE_FOLDER, search=search)
+        wanted.names |= types_of_packages(index, packages or ()).names
     prefix = f"{SOURCE_FOLDER}/"
     own_paths = [path.removeprefix(prefix) for path in files if path.startswith(prefix)]
     headers = generate_headers(index, wanted.names, own_paths=own_paths)
@@ -112,18 +112,6 @@ def render_library(
 
 
 write_library = writer_of(render_library)
-
-
-def _selected(
-    index: TypeIndex,
-    library_sources: Path,
-    sketch: Path | None,
-    packages: Collection[str],
-    search: Iterable[Path],
-) -> WantedTypes:
-    of_sketch = types_of_sketch(index, sketch, library_sources=library_sources, search=search)
-    of_packages = types_of_packages(index, packages)
-    return WantedTypes(of_sketch.names | of_packages.names, of_sketch.missing, of_sketch.doubtful)
 
 
 def keywords_with_classes(library_keywords: str, classes: Iterable[str]) -> str:

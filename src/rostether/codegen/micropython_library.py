@@ -48,9 +48,13 @@ def render_micropython_library(
     the hand-written library is missing.
     """
     index = TypeIndex(registry)
-    wanted = _wanted(index, for_program, packages)
     source = client_library() / MICROPYTHON_FOLDER
     is_complete = for_program is None and packages is None
+    if is_complete:
+        wanted = all_types(index)
+    else:
+        wanted = WantedTypes() if for_program is None else _types_of_program(index, for_program)
+        wanted.names |= types_of_packages(index, packages or ()).names
     files = {
         path: (source / path).read_bytes()
         for path in library_files(source)
@@ -80,18 +84,6 @@ def render_micropython_library(
 write_micropython_library = writer_of(render_micropython_library)
 
 
-def _wanted(index: TypeIndex, program: Path | None, packages: Collection[str] | None) -> WantedTypes:
-    if program is None and packages is None:
-        return all_types(index)
-    wanted = types_of_packages(index, packages or ())
-    if program is not None:
-        of_program = _types_of_program(index, program)
-        wanted.names |= of_program.names
-        wanted.missing += of_program.missing
-        add_field_types(index, wanted)
-    return wanted
-
-
 def _modules(index: TypeIndex, name: str) -> Iterator[tuple[str, str]]:
     """Yield paths and texts of the modules for a name, which may belong to a message and to a service."""
     registry = index.registry
@@ -118,7 +110,7 @@ def _path(index: TypeIndex, name: str, kind: str = "") -> str:
 
 
 def _types_of_program(index: TypeIndex, program: Path) -> WantedTypes:
-    """Return the types that a .py file or the .py files in a folder import, such as std_msgs.msg.String.
+    """Return the types that a .py file or the .py files in a folder import, and the types of their fields.
 
     Raises ConfigError if a file cannot be read.
     """
@@ -134,6 +126,7 @@ def _types_of_program(index: TypeIndex, program: Path) -> WantedTypes:
             else:
                 reason = explain_unknown(index.registry, kind, package, name)
                 wanted.missing.append(f"{file}:{line}: {reason}")
+    add_field_types(index, wanted)
     return wanted
 
 

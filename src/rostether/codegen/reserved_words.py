@@ -22,25 +22,21 @@ MEMBERS_OF_EVERY_MESSAGE = frozenset(
 TYPES_OF_FIELDS = frozenset(f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64))
 
 
-@functools.cache
 def keywords() -> frozenset[str]:
     """Return the keywords and alternative tokens of C++, up to C++20."""
     return _names("keywords.txt")
 
 
-@functools.cache
 def global_names() -> frozenset[str]:
     """Return functions and types of C, POSIX and Arduino, which cannot be names of namespaces."""
     return _names("global_names.txt")
 
 
-@functools.cache
 def arduino_macros() -> frozenset[str]:
     """Return the macros with a value in Arduino.h, except the binary literals B0 to B11111111."""
     return _names("arduino_macros.txt")
 
 
-@functools.cache
 def platform_macros() -> frozenset[str]:
     """Return more macros with a value: those of newlib, POSIX and Windows."""
     return _names("platform_macros.txt")
@@ -65,5 +61,6 @@ def _is_binary_literal(name: str) -> bool:
     return _BINARY_LITERAL.fullmatch(name) is not None
 
 
+@functools.cache
 def _names(file: str) -> frozenset[str]:
     return frozenset((_SHARE / file).read_text(encoding="ascii").split())
