@@ -61,32 +61,23 @@ async def run_plan(
         report(Level.INFO, f"logs: {logs}")
         await _apply_parameters(plan, client, report)
     adopt_orphans()
-    launch = _Launch(master_uri, environ, locate, report, options, logs)
+    # Unbuffered: the last output of a killed script must be in its log.
+    launch = _Launch(master_uri, {"PYTHONUNBUFFERED": "1", **environ}, locate, report, options, logs)
     try:
         return await launch.run([_with_options(node, options) for node in plan.nodes])
     finally:
         await launch.stop()
 
 
-class _Launch:
-    def __init__(
-        self,
-        master_uri: str,
-        environ: Mapping[str, str],
-        locate: Locate,
-        report: Callable[[Level, str], None],
-        options: RunOptions,
-        logs: Path,
-    ) -> None:
-        self._master_uri = master_uri
-        # Unbuffered: the last output of a killed script must be in its log.
-        self._environ = {"PYTHONUNBUFFERED": "1", **environ}
-        self._locate = locate
-        self._report = report
-        self._options = options
-        self._logs = logs
-        self._processes: list[NodeProcess] = []
-        self._supervisors: dict[asyncio.Task[None], NodeProcess] = {}
+class _Launch(Struct):
+    master_uri: str
+    environ: Mapping[str, str]
+    locate: Locate
+    report: Callable[[Level, str], None]
+    options: RunOptions
+    logs: Path
+    processes: list[NodeProcess] = field(default_factory=list)
+    supervisors: dict[asyncio.Task[None], NodeProcess] = field(default_factory=dict)
 
     async def run(self, nodes: list[LaunchNode]) -> bool:
         has_failed = False
@@ -95,24 +86,24 @@ class _Launch:
                 has_failed = True
                 if node.required:
                     return False
-        if has_failed and not self._supervisors:
+        if has_failed and not self.supervisors:
             return False
         if not nodes:
-            self._report(Level.INFO, "the parameters are set; there is no node to start")
-        waiting = set(self._supervisors)
+            self.report(Level.INFO, "the parameters are set; there is no node to start")
+        waiting = set(self.supervisors)
         while waiting:
             ended, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
             for task in ended:
-                process = self._supervisors[task]
+                process = self.supervisors[task]
                 if task.exception() is not None:
-                    self._report(Level.ERROR, str(task.exception()))
+                    self.report(Level.ERROR, str(task.exception()))
                 if process.node.required:
                     succeeded = task.exception() is None and process.exit_code == 0
                     line = f"[{process.name}] is required and has ended; stopping all nodes"
-                    self._report(Level.WARN if succeeded else Level.ERROR, line)
+                    self.report(Level.WARN if succeeded else Level.ERROR, line)
                     return succeeded
-        if self._options.stays:
-            self._report(Level.INFO, "all nodes have ended; the launch continues until Ctrl-C")
+        if self.options.stays:
+            self.report(Level.INFO, "all nodes have ended; the launch continues until Ctrl-C")
             await asyncio.Event().wait()
         return True
 
@@ -120,26 +111,26 @@ class _Launch:
         name = f"{node.full_name.removeprefix('/')}-{number}"
         try:
             # Runs in a thread, because finding a program searches its package.
-            command = await asyncio.to_thread(command_of, node, self._environ, self._master_uri, self._locate)
+            command = await asyncio.to_thread(command_of, node, self.environ, self.master_uri, self.locate)
             if isinstance(command, Replaced):
-                self._report(Level.WARN, command.line)
+                self.report(Level.WARN, command.line)
                 return True
-            process = NodeProcess(node, command, name, self._logs, self._report, self._options.stop_limits)
-            self._processes.append(process)
+            process = NodeProcess(node, command, name, self.logs, self.report, self.options.stop_limits)
+            self.processes.append(process)
             await process.start()
         except LaunchError as error:
-            self._report(Level.ERROR, str(error))
+            self.report(Level.ERROR, str(error))
             return False
         except RostetherError as error:
-            self._report(Level.ERROR, f"{node.file}:{node.line}: {error}")
+            self.report(Level.ERROR, f"{node.file}:{node.line}: {error}")
             return False
-        self._supervisors[asyncio.create_task(process.supervise())] = process
+        self.supervisors[asyncio.create_task(process.supervise())] = process
         return True
 
     async def stop(self) -> None:
         """End all running processes at the same time."""
-        await cancel_all(*self._supervisors)
-        await asyncio.gather(*(process.stop() for process in self._processes))
+        await cancel_all(*self.supervisors)
+        await asyncio.gather(*(process.stop() for process in self.processes))
 
 
 def _with_options(node: LaunchNode, options: RunOptions) -> LaunchNode:
