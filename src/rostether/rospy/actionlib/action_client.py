@@ -33,7 +33,7 @@ class ActionClient:
     Publishes `goal` and `cancel`, and subscribes to `status`, `result` and `feedback`.
     """
 
-    def __init__(self, ns: str, ActionSpec: Any) -> None:  # noqa: N803 - the name is actionlib's
+    def __init__(self, ns: str, ActionSpec: Any) -> None:
         parts = ActionClasses.of(ActionSpec)
         self.ns = ns
         self.ActionSpec = ActionSpec

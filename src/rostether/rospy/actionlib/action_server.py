@@ -48,7 +48,7 @@ class ActionServer:
     def __init__(
         self,
         ns: str,
-        ActionSpec: Any,  # noqa: N803 - the name is actionlib's
+        ActionSpec: Any,
         goal_cb: Callable[[ServerGoalHandle], object],
         cancel_cb: Callable[[ServerGoalHandle], object] = no_cancel,
         auto_start: bool = True,

@@ -14,7 +14,7 @@ GoalStatus: Any = all_types().message_class("actionlib_msgs/GoalStatus")
 GoalStatusArray: Any = all_types().message_class("actionlib_msgs/GoalStatusArray")
 
 
-class ActionException(Exception):  # noqa: N818 - the name is actionlib's
+class ActionException(Exception):
     """The type is not an action."""
 
 

@@ -33,7 +33,7 @@ class GoalIDGenerator:
         """Change the name."""
         self.name = name
 
-    def generate_ID(self) -> Any:  # noqa: N802 - the name is actionlib's
+    def generate_ID(self) -> Any:
         """Return a unique GoalID."""
         now = Time.now()
         return GoalID(id=f"{self.name}-{next(_numbers)}-{now.secs}.{now.nsecs}", stamp=now)

@@ -33,7 +33,7 @@ class SimpleGoalState:
 class SimpleActionClient:
     """A client with one goal at a time; a new goal replaces the old one. A timeout of zero means no limit."""
 
-    def __init__(self, ns: str, ActionSpec: Any) -> None:  # noqa: N803 - the name is actionlib's
+    def __init__(self, ns: str, ActionSpec: Any) -> None:
         self.action_client = ActionClient(ns, ActionSpec)
         self.simple_state = SimpleGoalState.DONE
         self.gh: ClientGoalHandle | None = None

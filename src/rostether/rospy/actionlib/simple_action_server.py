@@ -29,7 +29,7 @@ class SimpleActionServer:
     def __init__(
         self,
         name: str,
-        ActionSpec: Any,  # noqa: N803 - the name is actionlib's
+        ActionSpec: Any,
         execute_cb: Callable[[Any], object] | None = None,
         auto_start: bool = True,
     ) -> None:

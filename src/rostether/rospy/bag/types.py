@@ -69,7 +69,7 @@ def _class_of(kind: MessageType) -> type[Message]:
     return MessageTypes(Registry.of_full_text(kind.name, kind.definition)).message_class(kind.name)
 
 
-class ROSBagException(Exception):  # noqa: N818 - the name is rosbag's
+class ROSBagException(Exception):
     """The base of rosbag's errors."""
 
     def __init__(self, value: str | None = None) -> None:

@@ -9,7 +9,7 @@ from rostether.errors import DefinitionError
 from rostether.rospy.client.message_types import all_types
 
 
-class ROSMsgException(Exception):  # noqa: N818 - the name is rosmsg's
+class ROSMsgException(Exception):
     """The type is unknown, or its definition is invalid."""
 
 

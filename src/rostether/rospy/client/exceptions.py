@@ -1,7 +1,5 @@
 """The exceptions of rospy, under the names that programs catch."""
 
-# ruff: noqa: N818 - the names are rospy's
-
 from __future__ import annotations
 
 

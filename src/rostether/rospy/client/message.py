@@ -18,7 +18,7 @@ from rostether.serde.values import Message as _SerdeMessage
 from rostether.serde.yaml_print import quoted_text, string_list
 
 
-class MessageException(Exception):  # noqa: N818 - the name is genpy's
+class MessageException(Exception):
     """The base of genpy's errors."""
 
 
@@ -65,7 +65,7 @@ class Message(_SerdeMessage):
         """Write the wire form to a binary buffer. Raises SerializationError, which names the field."""
         buff.write(self._to_bytes())
 
-    def deserialize(self, str: bytes) -> Message:  # noqa: A002 - the name is genpy's
+    def deserialize(self, str: bytes) -> Message:
         """Read the fields from the wire form. Raises DeserializationError."""
         try:
             found = self._codec.decode(bytes(str))
@@ -79,7 +79,7 @@ class Message(_SerdeMessage):
         """Write the wire form; fields may be numpy arrays."""
         self.serialize(buff)
 
-    def deserialize_numpy(self, str: bytes, numpy: Any) -> Message:  # noqa: A002
+    def deserialize_numpy(self, str: bytes, numpy: Any) -> Message:
         """Read the fields from the wire form, arrays of numbers as numpy arrays."""
         self.deserialize(str)
         _arrays_to_numpy(self, self._codec.tree, numpy)
@@ -140,7 +140,7 @@ class AnyMsg(Message):
             raise ROSException("AnyMsg does not accept arguments")
         self._buff: bytes | None = None
 
-    def deserialize(self, str: bytes) -> AnyMsg:  # noqa: A002
+    def deserialize(self, str: bytes) -> AnyMsg:
         """Keep the bytes."""
         self._buff = bytes(str)
         return self

@@ -1,7 +1,5 @@
 """message_filters: combines messages of several topics by their stamps."""
 
-# ruff: noqa: N802 - the names are message_filters'
-
 from __future__ import annotations
 
 import threading
@@ -95,7 +93,7 @@ class Cache(SimpleFilter):
         """Return the stamp of the last message, or None."""
         return self.cache_times[-1] if self.cache_times else None
 
-    getLastestTime = getLatestTime  # noqa: N815 - the old, misspelled name
+    getLastestTime = getLatestTime  # the old, misspelled name
 
     def getOldestTime(self) -> Any:
         """Return the stamp of the oldest message, or None."""

@@ -19,7 +19,7 @@ def numpy_msg(msg_type: type[Message]) -> type[Message]:
 
     numpy = import_module("numpy")
 
-    def deserialize(self: Message, str: bytes) -> Message:  # noqa: A002 - the name is genpy's
+    def deserialize(self: Message, str: bytes) -> Message:
         return self.deserialize_numpy(str, numpy)
 
     namespace: dict[str, Any] = {"__slots__": (), "deserialize": deserialize}

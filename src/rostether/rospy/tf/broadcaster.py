@@ -1,7 +1,5 @@
 """The broadcaster of tf, the predecessor of tf2."""
 
-# ruff: noqa: N802 - the names are tf's
-
 from __future__ import annotations
 
 from typing import Any

@@ -79,7 +79,7 @@ def convert(a: Any, b_type: Any) -> Any:
     return function(a)
 
 
-def Stamped(obj: Any, stamp: Any, frame_id: str) -> Any:  # noqa: N802 - the name is tf2_ros's
+def Stamped(obj: Any, stamp: Any, frame_id: str) -> Any:
     """Return the object with a new header."""
     obj.header = all_types().message_class("std_msgs/Header")(stamp=stamp, frame_id=frame_id)
     return obj

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-class TransformException(Exception):  # noqa: N818 - the names are tf2's
+class TransformException(Exception):
     """The base of the errors of a lookup."""
 
 
@@ -27,7 +27,7 @@ class TimeoutException(TransformException):
     """The answer was too late."""
 
 
-class TypeException(Exception):  # noqa: N818
+class TypeException(Exception):
     """No transformation is registered for the type."""
 
     def __init__(self, errstr: str) -> None:
@@ -35,5 +35,5 @@ class TypeException(Exception):  # noqa: N818
         self.errstr = errstr
 
 
-class NotImplementedException(Exception):  # noqa: N818
+class NotImplementedException(Exception):
     """The buffer cannot look up transforms."""

@@ -77,7 +77,7 @@ class _Broadcaster:
         tf_class = all_types().message_class(TF_TYPE)
         self.pub_tf = Publisher(topic, tf_class, queue_size=QUEUE_SIZE, latch=latch)
 
-    def sendTransform(self, transform: Any) -> None:  # noqa: N802 - the name is tf2's
+    def sendTransform(self, transform: Any) -> None:
         """Publish one TransformStamped or a list of them."""
         self.pub_tf.publish(transform if isinstance(transform, list) else [transform])
 

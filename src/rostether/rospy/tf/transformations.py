@@ -1,6 +1,5 @@
 """tf.transformations: the names that `from tf.transformations import *` gives."""
 
-# ruff: noqa: F401
 import math
 
 from rostether.rospy.tf.arcball import (

@@ -1,7 +1,5 @@
 """The transformers and the listener of tf, the predecessor of tf2; as in ROS since Hydro, they use tf2."""
 
-# ruff: noqa: N802 - the names are tf's
-
 from __future__ import annotations
 
 import math

@@ -17,7 +17,7 @@ from rostether.rospy.client.names import names
 from rostether.rospy.tools.graph_names import make_caller_id, make_global_ns, ns_join
 
 
-class MasterException(Exception):  # noqa: N818 - the names are rosgraph's
+class MasterException(Exception):
     """The base of a Master's errors."""
 
 
@@ -29,7 +29,7 @@ class MasterError(MasterException):
     """The master rejected the call, for example because a name is unknown."""
 
 
-class RosParamException(Exception):  # noqa: N818 - the name is rosparam's
+class RosParamException(Exception):
     """A file or a parameter is invalid."""
 
 
@@ -105,7 +105,7 @@ def load_file(
 
 
 def load_str(
-    str: str,  # noqa: A002 - the name is rosparam's
+    str: str,
     filename: str,
     default_namespace: str | None = None,
     verbose: bool = False,

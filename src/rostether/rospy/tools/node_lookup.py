@@ -20,7 +20,7 @@ PING_INTERVAL_S = 1.0
 _OWN_NAME = "/rosnode"
 
 
-class ROSNodeException(Exception):  # noqa: N818 - the names are rosnode's
+class ROSNodeException(Exception):
     """The base of rosnode's errors."""
 
 

@@ -19,7 +19,7 @@ from rostether.packages.search_path import find_packages, ros_package_path, walk
 from rostether.rospy.import_hook import importable_packages
 
 
-class ResourceNotFound(Exception):  # noqa: N818 - the name is rospkg's
+class ResourceNotFound(Exception):
     """The package was not found."""
 
     def __init__(self, msg: str, ros_paths: list[str] | None = None) -> None:
@@ -30,14 +30,14 @@ class ResourceNotFound(Exception):  # noqa: N818 - the name is rospkg's
 InvalidROSPkgException = ResourceNotFound
 
 
-class InvalidManifest(Exception):  # noqa: N818 - the name is rospkg's
+class InvalidManifest(Exception):
     """The package.xml cannot be read."""
 
 
 class Depend:
     """A dependency on another package."""
 
-    def __init__(self, name: str, type: str = "package") -> None:  # noqa: A002 - the name is rospkg's
+    def __init__(self, name: str, type: str = "package") -> None:
         self.name = name
         self.type = type
 

@@ -19,7 +19,7 @@ from rostether.rospy.tools.master_tools import Master, MasterException, master_r
 _OWN_NAME = "/rosservice"
 
 
-class ROSServiceException(Exception):  # noqa: N818 - the names are rosservice's
+class ROSServiceException(Exception):
     """The base of rosservice's errors."""
 
 

@@ -23,7 +23,7 @@ _POLL_S = 0.1
 ReadField = Callable[[Any], Any]
 
 
-class ROSTopicException(Exception):  # noqa: N818 - the names are rostopic's
+class ROSTopicException(Exception):
     """The base of rostopic's errors."""
 
 

@@ -1,6 +1,5 @@
 """actionlib on rostether's graph."""
 
-# ruff: noqa: F401
 from rostether.rospy.actionlib.action_client import ActionClient
 from rostether.rospy.actionlib.action_server import ActionServer
 from rostether.rospy.actionlib.action_types import ActionException, GoalID, GoalStatus, GoalStatusArray

@@ -1,6 +1,5 @@
 """genpy, as far as programs use it: message values, their base class and their errors."""
 
-# ruff: noqa: F401
 import struct as _struct
 
 from rostether.rospy.client.message import (
@@ -15,4 +14,4 @@ from rostether.rospy.import_hook import import_submodules as _import_submodules
 
 _import_submodules(__name__)
 
-struct_I = _struct.Struct("<I")  # noqa: N816
+struct_I = _struct.Struct("<I")

@@ -1,6 +1,5 @@
 """rosbag: reads and writes bags."""
 
-# ruff: noqa: F401
 from rostether.rospy.bag.bag import Bag
 from rostether.rospy.bag.facts import Compression
 from rostether.rospy.bag.types import ROSBagException, ROSBagFormatException, ROSBagUnindexedException

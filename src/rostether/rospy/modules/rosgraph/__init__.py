@@ -1,6 +1,5 @@
 """rosgraph: the master's API, and functions for names."""
 
-# ruff: noqa: F401
 from rostether.rospy.import_hook import import_submodules as _import_submodules
 from rostether.rospy.tools.graph_names import myargv
 from rostether.rospy.tools.master_tools import (

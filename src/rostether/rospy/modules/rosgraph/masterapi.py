@@ -1,6 +1,5 @@
 """rosgraph.masterapi: the API of the master."""
 
-# ruff: noqa: F401
 from rostether.rospy.tools.master_tools import (
     Master,
     MasterError,

@@ -1,6 +1,5 @@
 """rosgraph.rosenv: the names of environment variables, and the URI of the master."""
 
-# ruff: noqa: F401
 from rostether.rospy.tools.master_tools import get_master_uri
 
 ROS_MASTER_URI = "ROS_MASTER_URI"

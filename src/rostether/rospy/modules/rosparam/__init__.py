@@ -1,6 +1,5 @@
 """rosparam: reads and sets parameters, and copies them from and to YAML files."""
 
-# ruff: noqa: F401
 from rostether.rospy.client.parameters import get_master as get_param_server
 from rostether.rospy.tools.master_tools import (
     RosParamException,

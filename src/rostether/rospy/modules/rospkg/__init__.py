@@ -1,6 +1,5 @@
 """rospkg: the folders and contents of packages."""
 
-# ruff: noqa: F401
 from rostether.rospy.import_hook import import_submodules as _import_submodules
 from rostether.rospy.tools.ros_packages import (
     Depend,

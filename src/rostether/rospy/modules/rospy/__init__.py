@@ -1,6 +1,5 @@
 """rospy on rostether's graph, for scripts of `run` and `launch` on a machine without a real rospy."""
 
-# ruff: noqa: F401
 from importlib import import_module as _import_module
 
 from rostether.rospy.client.client import init_node, myargv, spin, wait_for_message

@@ -1,6 +1,5 @@
 """rostopic: topics, their types and statistics."""
 
-# ruff: noqa: F401
 from rostether.rospy.tools.topic_lookup import (
     ROSTopicException,
     ROSTopicIOException,

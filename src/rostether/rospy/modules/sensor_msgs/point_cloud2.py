@@ -1,6 +1,5 @@
 """sensor_msgs.point_cloud2: reads and creates point clouds."""
 
-# ruff: noqa: F401
 from rostether.rospy.client.message_types import all_types as _all_types
 from rostether.rospy.tf.point_cloud import DATATYPES as _DATATYPES
 from rostether.rospy.tf.point_cloud import create_cloud, create_cloud_xyz32, read_points, read_points_list

@@ -1,6 +1,5 @@
 """tf, the predecessor of tf2, on rostether's tf buffer."""
 
-# ruff: noqa: F401, A004
 from rostether.rospy.import_hook import import_submodules as _import_submodules
 from rostether.rospy.tf.broadcaster import TransformBroadcaster
 from rostether.rospy.tf.exceptions import ConnectivityException, ExtrapolationException, LookupException

@@ -1,6 +1,5 @@
 """tf2_geometry_msgs: importing it lets buffers transform stamped geometry."""
 
-# ruff: noqa: F401
 from rostether.rospy.tf.geometry import (
     do_transform_point,
     do_transform_pose,

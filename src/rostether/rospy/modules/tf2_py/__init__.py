@@ -1,6 +1,5 @@
 """tf2_py: the buffer without subscriptions, and the exceptions."""
 
-# ruff: noqa: F401
 from rostether.rospy.tf.buffer import Buffer as BufferCore
 from rostether.rospy.tf.exceptions import (
     ConnectivityException,

@@ -1,6 +1,5 @@
 """tf2_ros on rostether's tf buffer."""
 
-# ruff: noqa: F401
 from rostether.rospy.import_hook import import_submodules as _import_submodules
 from rostether.rospy.tf.buffer import Buffer
 from rostether.rospy.tf.buffer import Buffer as BufferCore
