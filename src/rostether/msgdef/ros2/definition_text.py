@@ -1,11 +1,4 @@
-"""A ROS 2 message as the text of a .msg file, and as a full text with all nested messages, as in bags.
-
-the message's own text
-================================================================================
-MSG: std_msgs/Header
-that message's text
-================= ... one such part for every nested message, in order of first use
-"""
+"""A ROS 2 message as the text of a .msg file, and as a full text (see `msgdef.full_text`), as in bags."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 
 from rostether.errors import DefinitionError
-from rostether.msgdef.parse_msg import MAX_ARRAY_LENGTH, MAX_FIELDS, MAX_TEXT_CHARACTERS
+from rostether.msgdef.parse_msg import MAX_ARRAY_LENGTH, MAX_FIELDS, MAX_TEXT_CHARACTERS, SourceLine
 from rostether.msgdef.ros2.literals import read_default, read_literal
 from rostether.msgdef.ros2.spec import (
     PRIMITIVE_TYPES,
@@ -24,7 +24,6 @@ from rostether.msgdef.ros2.spec import (
     Ros2Service,
     Ros2Type,
 )
-from rostether.msgdef.source_line import SourceLine
 from rostether.names.graph_name import quote
 
 SECTION_MARK = "---"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from rostether.rospy.client.message_types import all_types
 from rostether.rospy.tf import listener_and_broadcasters as tf2_ros
+from rostether.rospy.tf.geometry import transform_message
 
 
 class TransformBroadcaster:
@@ -16,14 +16,7 @@ class TransformBroadcaster:
 
     def sendTransform(self, translation: Any, rotation: Any, time: Any, child: str, parent: str) -> None:
         """Publish the pose of the frame `child` in `parent`."""
-        message: Any = all_types().message_class("geometry_msgs/TransformStamped")()
-        message.header.frame_id = parent
-        message.header.stamp = time
-        message.child_frame_id = child
-        vector, quaternion = message.transform.translation, message.transform.rotation
-        vector.x, vector.y, vector.z = translation
-        quaternion.x, quaternion.y, quaternion.z, quaternion.w = rotation
-        self.sendTransformMessage(message)
+        self.sendTransformMessage(transform_message(parent, child, time, translation, rotation))
 
     def sendTransformMessage(self, transform: Any) -> None:
         """Publish a TransformStamped."""

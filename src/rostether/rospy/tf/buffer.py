@@ -11,7 +11,6 @@ from rostether.errors import ExtrapolationError, TransformError, UnconnectedFram
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_cache import DEFAULT_CACHE_NS
 from rostether.robot.transform import StampedTransform, transform_of
-from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.ros_time import Duration, Time, get_rostime, sleep
 from rostether.rospy.tf.buffer_interface import NO_TIME, BufferInterface
 from rostether.rospy.tf.exceptions import (
@@ -21,6 +20,7 @@ from rostether.rospy.tf.exceptions import (
     LookupException,
     TransformException,
 )
+from rostether.rospy.tf.geometry import transform_message
 
 # The interval between two checks, as a part of the timeout, as in tf2_ros.
 POLLING_SCALE = 0.01
@@ -201,12 +201,6 @@ def _wait(can: Callable[[], tuple[bool, str]], timeout: Any) -> tuple[bool, str]
 
 
 def _to_message(stamped: StampedTransform) -> Any:
-    types = all_types()
-    message: Any = types.message_class("geometry_msgs/TransformStamped")()
-    message.header.frame_id = stamped.parent
-    message.header.stamp = Time(0, stamped.stamp_ns)
-    message.child_frame_id = stamped.child
-    translation, rotation = message.transform.translation, message.transform.rotation
-    translation.x, translation.y, translation.z = stamped.transform.translation
-    rotation.x, rotation.y, rotation.z, rotation.w = stamped.transform.rotation
-    return message
+    moved = stamped.transform
+    stamp = Time(0, stamped.stamp_ns)
+    return transform_message(stamped.parent, stamped.child, stamp, moved.translation, moved.rotation)

@@ -49,6 +49,16 @@ def do_transform_wrench(wrench: Any, transform: Any) -> Any:
     return result
 
 
+def transform_message(parent: str, child: str, stamp: Any, translation: Any, rotation: Any) -> Any:
+    """Return a TransformStamped: the pose of the frame `child` in `parent`."""
+    message: Any = all_types().message_class("geometry_msgs/TransformStamped")()
+    message.header.frame_id, message.header.stamp = parent, stamp
+    message.child_frame_id = child
+    _set_xyz(message.transform.translation, translation)
+    _set_xyzw(message.transform.rotation, rotation)
+    return message
+
+
 def register() -> None:
     """Let buffers transform these types."""
     registration = TransformRegistration()
