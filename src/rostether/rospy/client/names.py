@@ -10,7 +10,6 @@ from typing import Any
 
 from rostether.bounded_yaml import YamlError, load
 from rostether.names.graph_name import as_namespace, canonical, is_global, is_private
-from rostether.names.graph_name import resolve_name as _resolve
 from rostether.rospy.client.exceptions import ROSException, ROSInitException
 
 # The name of a program until init_node.
@@ -47,12 +46,12 @@ class NodeNames:
 
     def set_node_name(self, base_name: str) -> str:
         """Set the node's name, with which private names resolve. Returns its full name."""
-        self.caller_id = self._full_name(base_name, self.caller_id)
+        self.caller_id = full_name(base_name, self.caller_id)
         self.namespace = parent_namespace(self.caller_id)
         self.resolved_mappings = {
-            source if source.startswith("__") else self._full_name(source, self.caller_id): target
+            source if source.startswith("__") else full_name(source, self.caller_id): target
             if source.startswith("__")
-            else self._full_name(target, self.caller_id)
+            else full_name(target, self.caller_id)
             for source, target in self.mappings.items()
         }
         return self.caller_id
@@ -62,7 +61,7 @@ class NodeNames:
         caller_id = caller_id or self.caller_id
         if not name:
             return parent_namespace(caller_id)
-        resolved = self._full_name(str(name), caller_id)
+        resolved = full_name(str(name), caller_id)
         return self.resolved_mappings.get(resolved, resolved)
 
     def resolve_early(self, name: str) -> str:
@@ -73,28 +72,29 @@ class NodeNames:
         if is_private(name):
             raise ValueError("~name topics cannot be created before init_node() has been called")
         fake_caller = self.namespace + "node"
-        resolved = self._full_name(name, fake_caller)
+        resolved = full_name(name, fake_caller)
         for source, target in self.mappings.items():
-            if not source.startswith("__") and self._full_name(source, fake_caller) == resolved:
+            if not source.startswith("__") and full_name(source, fake_caller) == resolved:
                 if is_private(target):
                     raise ROSInitException(
                         f"{name} cannot be remapped to a ~name here: the topic is created before init_node()"
                     )
-                return self._full_name(target, fake_caller)
+                return full_name(target, fake_caller)
         return resolved
 
     def remap(self, name: str) -> str:
         """Return the resolved target of a name that the command line remaps, else the same name."""
-        return self._full_name(self.mappings[name], self.caller_id) if name in self.mappings else name
+        return full_name(self.mappings[name], self.caller_id) if name in self.mappings else name
 
-    def _full_name(self, name: str, caller_id: str) -> str:
-        try:
-            return _resolve(name, namespace=parent_namespace(caller_id), node_name=caller_id)
-        except ValueError:
-            # rospy only warns about illegal names; the graph rejects them.
-            if is_private(name):
-                return canonical(f"{caller_id}/{name[1:]}")
-            return canonical(name if is_global(name) else parent_namespace(caller_id) + name)
+
+def full_name(name: str, caller_id: str) -> str:
+    """Return the full name, as in the node `caller_id`, without remapping.
+
+    Like rospy, this accepts illegal names; the graph rejects them.
+    """
+    if is_private(name):
+        return canonical(f"{caller_id}/{name[1:]}")
+    return canonical(name if is_global(name) else f"/{parent_namespace(caller_id)}{name}")
 
 
 def is_remap_argument(argument: str) -> bool:
