@@ -36,9 +36,11 @@ class Scope(Struct):
 
     def child(self, namespace: str | None = None) -> Scope:
         """Return a copy for a scope inside this one. Raises LaunchError for a private namespace."""
+        if namespace is not None and namespace.startswith(PRIVATE):
+            raise LaunchError(f"ns={namespace!r} is private to a node; give a namespace like robot1 or /lab")
         return Scope(
             file=self.file,
-            namespace=self.namespace if namespace is None else self._below(namespace),
+            namespace=self.namespace if namespace is None else as_namespace(join(self.namespace, namespace)),
             arguments=dict(self.arguments),
             declared=dict(self.declared),
             anonymous_names=dict(self.anonymous_names),
@@ -88,8 +90,3 @@ class Scope(Struct):
             if not is_legal_name(name):
                 raise LaunchError(f"<remap> cannot use {name!r}: it is not a ROS name; correct it")
         self.remaps = [each for each in self.remaps if each[0] != pair[0]] + [pair]
-
-    def _below(self, namespace: str) -> str:
-        if namespace.startswith(PRIVATE):
-            raise LaunchError(f"ns={namespace!r} is private to a node; give a namespace like robot1 or /lab")
-        return as_namespace(join(self.namespace, namespace))

@@ -68,17 +68,12 @@ def package_roots(environ: Mapping[str, str], cwd: Path) -> list[Path]:
 def package_path(environ: Mapping[str, str]) -> list[Path]:
     """Return the folders of ROS_PACKAGE_PATH, and those of the workspace around the current folder."""
     try:
-        return [*ros_package_path(environ), *_workspace_roots(Path.cwd())]
+        cwd = Path.cwd()
+        sources = (workspace_of(cwd) or cwd) / SOURCE_FOLDER
+        return [*ros_package_path(environ), *([sources] if sources.is_dir() else []), *_around(cwd)]
     except OSError:
         # The current folder was deleted.
         return ros_package_path(environ)
-
-
-def _workspace_roots(cwd: Path) -> list[Path]:
-    """Return the folders that contain the packages of the workspace or repository around a folder."""
-    workspace = workspace_of(cwd)
-    roots = [cwd / SOURCE_FOLDER] if workspace is None else [workspace / SOURCE_FOLDER]
-    return [*(root for root in roots if root.is_dir()), *_around(cwd)]
 
 
 def workspace_of(cwd: Path) -> Path | None:

@@ -20,7 +20,10 @@ def read_default(field_type: Ros2Type, text: str) -> DefaultValue:
     if not (text.startswith("[") and text.endswith("]")):
         raise ValueError(f"{quote(text)} is not a list in brackets, such as [1, 2, 3]")
     inner = text[1:-1].strip()
-    parts = _split_strings(inner) if field_type.base in STRING_TYPES else _split_numbers(inner)
+    if field_type.base in STRING_TYPES:
+        parts = _split_strings(inner)
+    else:
+        parts = [part.strip() for part in inner.split(",")] if inner else []
     if field_type.length is not None and len(parts) != field_type.length:
         raise ValueError(f"{counted(len(parts), 'value')} for an array of {field_type.length}")
     if field_type.bound is not None and len(parts) > field_type.bound:
@@ -72,10 +75,6 @@ def _read_string(text: str, bound: int | None) -> str:
     if bound is not None and len(text) > bound:
         raise ValueError(f"{quote(text)} is longer than {bound} characters")
     return text
-
-
-def _split_numbers(text: str) -> list[str]:
-    return [part.strip() for part in text.split(",")] if text else []
 
 
 def _split_strings(text: str) -> list[str]:

@@ -51,25 +51,20 @@ def _expressed(message: Ros2Message) -> MessageSpec:
 
 def _field(field: Ros2Field) -> Field:
     old = field.type
-    base = _base(old.base) if old.base in PRIMITIVE_TYPES else ros1_name(old.base)
+    base = _BASES.get(old.base, old.base) if old.base in PRIMITIVE_TYPES else ros1_name(old.base)
     length_text = "" if old.length is None else str(old.length)
     return Field(FieldType(base, old.is_array, old.length, length_text), field.name)
 
 
 def _constant(constant: Ros2Constant) -> Constant:
-    base = _base(constant.type)
+    base = _BASES.get(constant.type, constant.type)
     value = constant.value
     # A constant of ROS 1 ends with its line, without surrounding blanks.
-    text = " ".join(value.split()) if isinstance(value, str) else _text(value)
-    return Constant(base, constant.name, text if isinstance(value, str) else value, text)
-
-
-def _text(value: float) -> str:
-    return str(int(value)) if isinstance(value, bool) else repr(value)
-
-
-def _base(base: str) -> str:
-    return _BASES.get(base, base)
+    if isinstance(value, str):
+        value = text = " ".join(value.split())
+    else:
+        text = str(int(value)) if isinstance(value, bool) else repr(value)
+    return Constant(base, constant.name, value, text)
 
 
 def joined_services(messages: Mapping[str, Ros2Message]) -> Iterator[Ros2Service]:

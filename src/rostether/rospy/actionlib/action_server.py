@@ -161,9 +161,10 @@ class ActionServer:
         """Publish the status list, without goals that ended some time ago."""
         with self.lock:
             now = Time.now()
-            ended_before = [goal for goal in self.status_list if self._is_over(goal, now)]
-            for goal in ended_before:
-                self.status_list.remove(goal)
+            limit = self.status_list_timeout
+            self.status_list = [
+                goal for goal in self.status_list if not goal.ended_at or goal.ended_at + limit >= now
+            ]
             message = GoalStatusArray(status_list=[goal.status for goal in self.status_list])
             message.header.stamp = now
             if not is_shutdown():
@@ -224,9 +225,6 @@ class ActionServer:
             if oldest is not None:
                 self.status_list.remove(oldest)
         self.status_list.append(served)
-
-    def _is_over(self, goal: ServedGoal, now: Any) -> bool:
-        return bool(goal.ended_at) and goal.ended_at + self.status_list_timeout < now
 
 
 def _status_hz(name: str) -> float:

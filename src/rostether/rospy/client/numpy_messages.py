@@ -22,14 +22,12 @@ def numpy_msg(msg_type: type[Message]) -> type[Message]:
     def deserialize(self: Message, str: bytes) -> Message:
         return self.deserialize_numpy(str, numpy)
 
-    namespace: dict[str, Any] = {"__slots__": (), "deserialize": deserialize}
-    # Reads a message of the plain class, and copies its fields.
-    namespace["deserialize_numpy"] = lambda self, payload, module: _read(self, msg_type, payload, module)
-    return type(f"Numpy_{msg_type._type.replace('/', '__')}", (msg_type,), namespace)
+    def deserialize_numpy(self: Message, str: bytes, numpy: Any) -> Message:
+        # Reads a message of the plain class, and copies its fields.
+        found = msg_type().deserialize_numpy(str, numpy)
+        for name in self._field_names():
+            setattr(self, name, getattr(found, name))
+        return self
 
-
-def _read(message: Message, msg_type: type[Message], payload: bytes, numpy: Any) -> Message:
-    found = msg_type().deserialize_numpy(payload, numpy)
-    for name in message._field_names():
-        setattr(message, name, getattr(found, name))
-    return message
+    methods = {"__slots__": (), "deserialize": deserialize, "deserialize_numpy": deserialize_numpy}
+    return type(f"Numpy_{msg_type._type.replace('/', '__')}", (msg_type,), methods)
