@@ -13,12 +13,12 @@ from pathlib import Path
 
 from rostether.errors import LaunchError
 from rostether.launch.files import parse_launch_xml, read_file
-from rostether.launch.node_tag import NodeTags
-from rostether.launch.parameter_tags import ParameterTags
+from rostether.launch.node_tag import read_node, read_test
+from rostether.launch.parameter_tags import read_param, read_rosparam
 from rostether.launch.plan import DeclaredArgument, LaunchPlan
 from rostether.launch.scope import Scope
 from rostether.launch.substitution import LaunchContext
-from rostether.launch.tag_reader import TagReader
+from rostether.launch.tag import Reading, Tag, errors_at
 from rostether.mechanisms.loopback import is_loopback
 from rostether.mechanisms.xml_tree import XmlElement
 from rostether.names.graph_name import as_namespace
@@ -54,134 +54,119 @@ def load_launch(
     """
     programs = programs or {}
     built_in = frozenset(builtin_packages) | {package for package, _ in programs}
-    context = LaunchContext(environ, packages, built_in)
-    loader = _Loader(TagReader(context), programs, runs_commands=runs_commands)
+    loader = _Loader(LaunchContext(environ, packages, built_in, programs, runs_commands))
     namespace = as_namespace(arguments.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
     for path in paths:
         loader.load_root(read_file(str(path)), str(path), namespace, arguments)
     if text is not None:
         loader.load_root(text, STDIN_NAME, namespace, arguments)
-    return loader.reader.plan
+    return loader.plan
 
 
 class _Loader:
-    def __init__(
-        self, reader: TagReader, programs: Mapping[tuple[str, str], Sequence[str]], *, runs_commands: bool
-    ) -> None:
-        self.reader = reader
-        self._parameters = ParameterTags(reader, programs, runs_commands=runs_commands)
-        self._nodes = NodeTags(reader, self._parameters)
+    def __init__(self, context: LaunchContext) -> None:
+        self._reading = Reading(context)
+        self.plan = self._reading.plan
         self._node_names: dict[str, XmlElement] = {}
         self._machines: set[str] = set()
         self._depth = 0
         self._includes = 0
 
     def load_root(self, data: bytes, file: str, namespace: str, arguments: Mapping[str, str]) -> None:
-        root = self._parse(data, file)
-        scope = Scope(file=file, namespace=namespace, arguments=dict(arguments))
-        self._read_children(root, scope)
-        for name, argument in scope.declared.items():
-            self.reader.plan.arguments.setdefault(name, argument)
-
-    def _parse(self, data: bytes, file: str) -> XmlElement:
         root = parse_launch_xml(data, file=file)
-        if file not in self.reader.plan.files:
-            self.reader.plan.files.append(file)
-        if notice := root.attributes.get("deprecated"):
-            self.reader.warn(root, f"deprecated: {notice}")
-        return root
+        scope = Scope(file=file, namespace=namespace, arguments=dict(arguments))
+        self._read_file(Tag(root, scope, self._reading))
+        for name, argument in scope.declared.items():
+            self.plan.arguments.setdefault(name, argument)
 
-    def _read_children(self, parent: XmlElement, scope: Scope) -> None:
-        for element in parent.children:
-            with self.reader.at_element(element):
+    def _read_file(self, root: Tag) -> None:
+        if root.scope.file not in self.plan.files:
+            self.plan.files.append(root.scope.file)
+        if notice := root.element.attributes.get("deprecated"):
+            root.warn(f"deprecated: {notice}")
+        self._read_children(root, root.scope)
+
+    def _read_children(self, parent: Tag, scope: Scope) -> None:
+        for element in parent.element.children:
+            with errors_at(element):
                 if element.tag == "launch":
                     raise LaunchError("<launch> is inside <launch>; use <group> or <include>")
-                if self.reader.applies(element, scope):
-                    self._read(element, scope)
+                tag = parent.at(element, scope)
+                if tag.applies():
+                    self._read(tag)
 
-    def _read(self, element: XmlElement, scope: Scope) -> None:
-        match element.tag:
+    def _read(self, tag: Tag) -> None:
+        match tag.element.tag:
             case "arg":
-                self._arg(element, scope)
+                _read_arg(tag, tag.scope)
             case "group":
-                self.reader.check_attributes(element, ("ns", "clear_params"))
-                self._read_children(element, self.reader.namespace(element, scope))
+                tag.check_attributes(("ns", "clear_params"))
+                self._read_children(tag, tag.namespace())
             case "include":
-                self._include(element, scope)
+                self._include(tag)
             case "node":
-                self._node(element, scope)
+                self._node(tag)
             case "test":
-                self._nodes.test(element, scope)
+                read_test(tag)
             case "param":
-                self._parameters.param(element, scope)
+                read_param(tag)
             case "rosparam":
-                self._parameters.rosparam(element, scope)
+                read_rosparam(tag)
             case "remap":
-                self.reader.remap(element, scope)
+                tag.remap()
             case "env":
-                self.reader.environment(element, scope)
+                tag.environment()
             case "machine":
-                self._machines.add(_read_machine(self.reader, element, scope))
+                self._machines.add(_read_machine(tag))
             case "master":
-                self.reader.warn(element, "<master> is obsolete; it is ignored")
+                tag.warn("<master> is obsolete; it is ignored")
             case _:
-                self.reader.warn(element, f"<{element.tag}> is not a known tag; it is ignored")
+                tag.warn(f"<{tag.element.tag}> is not a known tag; it is ignored")
 
-    def _arg(self, element: XmlElement, scope: Scope, values: Scope | None = None) -> None:
-        reader, values = self.reader, values or scope
-        reader.check_attributes(element, ("name", "value", "default", "doc"))
-        name = reader.required(element, values, "name")
-        reader.plan.argument_names.add(name)
-        value, default, doc = (reader.optional(element, values, each) for each in ("value", "default", "doc"))
-        if value is not None and default is not None:
-            raise LaunchError(f"argument {name!r} has both value= and default=; keep one of them")
-        scope.declare(DeclaredArgument(name, default, doc or "", is_fixed=value is not None), value)
-
-    def _node(self, element: XmlElement, scope: Scope) -> None:
-        node = self._nodes.node(element, scope)
-        machine = self.reader.optional(element, scope, "machine")
+    def _node(self, tag: Tag) -> None:
+        node = read_node(tag)
+        machine = tag.optional("machine")
         if machine and machine not in self._machines:
             raise LaunchError(f"there is no <machine name={machine!r}> above; remove machine=")
-        earlier = self._node_names.setdefault(node.full_name, element)
-        if earlier is not element:
+        earlier = self._node_names.setdefault(node.full_name, tag.element)
+        if earlier is not tag.element:
             raise LaunchError(
                 f"two nodes have the name {node.full_name}, one at {earlier.file}:{earlier.line}; rename one"
             )
-        self.reader.plan.nodes.append(node)
+        self.plan.nodes.append(node)
 
-    def _include(self, element: XmlElement, scope: Scope) -> None:
-        reader = self.reader
-        reader.check_attributes(element, ("file", "ns", "clear_params", "pass_all_args"))
-        file = reader.required(element, scope, "file")
-        inside = reader.namespace(element, scope)
-        pass_all = reader.flag(element, scope, "pass_all_args")
-        given = Scope(
-            file=file, arguments=dict(scope.arguments) if pass_all else {}, passes_all_arguments=pass_all
-        )
-        for child in element.children:
-            with reader.at_element(child):
-                if not reader.applies(child, inside):
+    def _include(self, tag: Tag) -> None:
+        tag.check_attributes(("file", "ns", "clear_params", "pass_all_args"))
+        file = tag.required("file")
+        inside = tag.namespace()
+        pass_all = tag.flag("pass_all_args")
+        arguments = dict(tag.scope.arguments) if pass_all else {}
+        given = Scope(file=file, arguments=arguments, passes_all_arguments=pass_all)
+        for element in tag.element.children:
+            child = tag.at(element, inside)
+            with errors_at(element):
+                if not child.applies():
                     continue
-                match child.tag.lower():
+                match element.tag.lower():
                     case "arg":
-                        self._arg(child, given, inside)
+                        _read_arg(child, given)
                     case "env":
-                        reader.environment(child, inside)
+                        child.environment()
                     case _:
-                        reader.warn(child, f"<{child.tag}> has no meaning inside <include>; it is ignored")
+                        child.warn(f"<{element.tag}> has no meaning inside <include>; it is ignored")
         for name in given.declared:
             if name not in given.arguments:
                 raise LaunchError(f"argument {name!r} needs value= or default= inside <include>")
-        included = scope.included(file, inside, given.arguments, pass_all=pass_all)
+        included = tag.scope.included(file, inside, given.arguments, pass_all=pass_all)
         passed = list(included.arguments)
-        self._read_included(element, included)
+        self._read_included(tag, included)
         unused = [name for name in passed if name not in included.declared]
         if unused and not pass_all:
             raise LaunchError(
                 f"{file} declares no argument {' and no '.join(unused)}; remove it from <include>"
             )
 
-    def _read_included(self, element: XmlElement, scope: Scope) -> None:
+    def _read_included(self, tag: Tag, scope: Scope) -> None:
         self._includes += 1
         if self._depth >= MAX_INCLUDE_DEPTH:
             raise LaunchError(
@@ -195,22 +180,34 @@ class _Loader:
             )
         self._depth += 1
         try:
-            self._read_children(self._parse(read_file(scope.file), scope.file), scope)
+            root = parse_launch_xml(read_file(scope.file), file=scope.file)
+            self._read_file(tag.at(root, scope))
         except LaunchError as error:
             if " (included " in str(error) or not error.file:
                 raise
             text = str(error).removeprefix(f"{error.file}:{error.line}: ")
-            location = f"{element.file}:{element.line}"
+            location = f"{tag.element.file}:{tag.element.line}"
             raise LaunchError(f"{text} (included at {location})", file=error.file, line=error.line) from None
         finally:
             self._depth -= 1
 
 
-def _read_machine(reader: TagReader, element: XmlElement, scope: Scope) -> str:
+def _read_arg(tag: Tag, declaring: Scope) -> None:
+    """Declare the argument of an <arg> in a scope."""
+    tag.check_attributes(("name", "value", "default", "doc"))
+    name = tag.required("name")
+    tag.reading.plan.argument_names.add(name)
+    value, default, doc = map(tag.optional, ("value", "default", "doc"))
+    if value is not None and default is not None:
+        raise LaunchError(f"argument {name!r} has both value= and default=; keep one of them")
+    declaring.declare(DeclaredArgument(name, default, doc or "", is_fixed=value is not None), value)
+
+
+def _read_machine(tag: Tag) -> str:
     """Return the name of a <machine>. Raises LaunchError for another machine than this one."""
-    reader.check_attributes(element, _MACHINE_ATTRIBUTES)
-    name, address = (reader.required(element, scope, each) for each in ("name", "address"))
-    user = reader.optional(element, scope, "user")
+    tag.check_attributes(_MACHINE_ATTRIBUTES)
+    name, address = map(tag.required, ("name", "address"))
+    user = tag.optional("user")
     is_here = address == socket.gethostname() or is_loopback(address)
     if not is_here or (user and user != getpass.getuser()):
         raise LaunchError(

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from msgspec import Struct
+from msgspec import Struct, field
 
 from rostether.errors import LaunchError
 from rostether.expression.compiler import FUNCTIONS, MATH, compile_expression
@@ -53,15 +53,18 @@ _EXTRA: Mapping[str, Any] = {
 
 
 class LaunchContext(Struct, frozen=True):
-    """What launch files can read besides files: environment variables and packages.
+    """What launch files can read besides files: environment variables, packages and the output of commands.
 
     `packages` maps package names to folders. `built_in` are packages without folders: their paths are below
-    BUILTIN_ROOT, and no file exists there.
+    BUILTIN_ROOT, and no file exists there. `programs` maps (package, program) to built-in command lines, for
+    packages that are not installed. Without `runs_commands`, a parameter with `command=` is an empty string.
     """
 
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
     built_in: frozenset[str] = frozenset()
+    programs: Mapping[tuple[str, str], Sequence[str]] = field(default_factory=dict)
+    runs_commands: bool = True
 
 
 def substitute(text: str, scope: Scope, context: LaunchContext) -> str:

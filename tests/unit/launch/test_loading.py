@@ -205,7 +205,7 @@ def test_arguments_that_multiply_a_text_are_refused() -> None:
 
 
 def test_all_texts_together_have_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.launch.tag_reader.MAX_SUBSTITUTED_CHARS", 1000)
+    monkeypatch.setattr("rostether.launch.tag.MAX_SUBSTITUTED_CHARS", 1000)
     params = "".join(f'<param name="p{n}" value="$(arg a)"/>' for n in range(11))
     with pytest.raises(LaunchError, match="more than 1000 characters;"):
         loads(f'<arg name="a" default="{"x" * 100}"/>{params}')
