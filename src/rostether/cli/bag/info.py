@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from array import array
 from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
@@ -18,15 +17,12 @@ from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, paint_keys, warn, write_json, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
-from rostether.mechanisms.median import median
 from rostether.mechanisms.text import escape_line
 from rostether.rostime import NS_PER_S, Time
 
 if TYPE_CHECKING:
     from rostether.recording.recorded import RecordingReader
 
-# 2 MB for each topic. The median of this sample differs from that of all messages by less than a percent.
-MAX_PERIODS = 262_144
 # A step in the value of --key: `.name` or `[0]`.
 _STEP = re.compile(r"\.?(?:(\w+)|\[(-?\d+)\])")
 
@@ -50,6 +46,7 @@ def bag_info(
 ) -> None:
     """Show the duration, the number of messages, the topics and the types of recordings."""
     from rostether.recording.files import open_recording
+    from rostether.recording.message_rates import message_rates_hz
 
     if key is not None and not as_yaml:
         raise click.UsageError("-k needs -y")
@@ -59,7 +56,10 @@ def bag_info(
             for topic, why in reader.unreadable.items():
                 warn(f"{path}: {topic} is not shown: {why}")
             if with_rates:
-                _add_rates(facts, reader)
+                rates = message_rates_hz(reader)
+                for row in facts["topics"]:
+                    if row["topic"] in rates:
+                        row["frequency_hz"] = rates[row["topic"]]
             if reader.damage:
                 warn(f"{path}: {reader.damage}; `rostether bag reindex {path}` repairs it")
             if number and not as_json:
@@ -101,40 +101,6 @@ def _facts(path: Path, reader: RecordingReader) -> dict[str, Any]:
         "types": [{"type": name, "md5": types[name]} for name in sorted(types)],
         "topics": [topics[name] for name in sorted(topics)],
     }
-
-
-def _add_rates(facts: Mapping[str, Any], reader: RecordingReader) -> None:
-    """Add each topic's message rate, from the median time between two messages."""
-    periods: dict[str, _Periods] = {}
-    for message in reader.messages():
-        # Times are floats, so that the digits are the same as rosbag's.
-        time_s = Time.from_ns(message.time_ns).to_s()
-        periods.setdefault(message.connection.topic, _Periods()).add(time_s)
-    for row in facts["topics"]:
-        found = periods[row["topic"]].kept if row["topic"] in periods else ()
-        if found and (period_s := median(found)) > 0:
-            row["frequency_hz"] = 1 / period_s
-
-
-class _Periods:
-    """The times between messages of a topic, in s: all, or at most MAX_PERIODS of them, evenly spaced."""
-
-    def __init__(self) -> None:
-        self.kept = array("d")
-        self._last_s: float | None = None
-        self._stride = 1
-        self._count = 0
-
-    def add(self, time_s: float) -> None:
-        """Count a message that was recorded at this time."""
-        if self._last_s is not None:
-            if self._count % self._stride == 0:
-                self.kept.append(time_s - self._last_s)
-            self._count += 1
-        self._last_s = time_s
-        if len(self.kept) > MAX_PERIODS:
-            del self.kept[1::2]
-            self._stride *= 2
 
 
 def _print(facts: Mapping[str, Any], reader: RecordingReader) -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any, NamedTuple
 
-from rostether.mechanisms.median import median
+from rostether.recording.message_rates import message_rates_hz
 from rostether.recording.recorded import RecordingReader
 from rostether.rospy.client.stamps import Time
 from rostether.rostime import NS_PER_S
@@ -64,14 +63,12 @@ def types_and_topics(reader: RecordingReader, names: frozenset[str] | None) -> T
     """Return a recording's types and topics; a frequency is the inverse of the median interval."""
     counts = {each: n for each, n in reader.counts.items() if names is None or each.topic in names}
     types = {each.type.name: each.type.md5sum for each in counts}
-    times: dict[str, list[int]] = {}
-    for message in reader.messages(counts.__contains__):
-        times.setdefault(message.connection.topic, []).append(message.time_ns)
+    rates = message_rates_hz(reader, counts.__contains__)
     topics = {}
     for name in sorted({each.topic for each in counts}):
         own = [each for each in counts if each.topic == name]
         topics[name] = TopicTuple(
-            own[0].type.name, sum(counts[each] for each in own), len(own), _frequency_hz(times.get(name, []))
+            own[0].type.name, sum(counts[each] for each in own), len(own), rates.get(name)
         )
     return TypesAndTopicsTuple(types, topics)
 
@@ -109,11 +106,3 @@ def yaml_text(filename: str, reader: RecordingReader, key: str | None) -> str:
     }
     value = facts if key is None else facts[key]
     return yaml.safe_dump(value, sort_keys=False) if isinstance(value, dict | list) else str(value)
-
-
-def _frequency_hz(times_ns: list[int]) -> float | None:
-    if len(times_ns) < 2:
-        return None
-    intervals_ns = [later - earlier for earlier, later in pairwise(times_ns)]
-    interval_ns = median(intervals_ns)
-    return NS_PER_S / interval_ns if interval_ns > 0 else None

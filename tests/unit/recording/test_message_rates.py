@@ -4,8 +4,8 @@ from statistics import median
 
 import pytest
 
-from rostether.cli.bag import info
-from rostether.cli.bag.info import _Periods
+from rostether.recording import message_rates
+from rostether.recording.message_rates import _Periods
 
 
 def test_the_times_between_a_few_messages_are_all_kept() -> None:
@@ -16,7 +16,7 @@ def test_the_times_between_a_few_messages_are_all_kept() -> None:
 
 
 def test_of_very_many_messages_an_even_selection_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(info, "MAX_PERIODS", 100)
+    monkeypatch.setattr(message_rates, "MAX_PERIODS", 100)
     periods = _Periods()
     for number in range(100_000):
         periods.add(number * 0.01 + (number % 3) * 0.001)
