@@ -14,7 +14,7 @@ from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import MessageLike
 from rostether.mechanisms.callback_thread import CallbackThread
-from rostether.serde.type_classes import Request, Response, Service, name_of_type
+from rostether.serde.type_classes import Request, Response, Service
 from rostether.serde.values import Message
 from rostether.sync.blocking import LOOP, OpenContext, blocking, guarded, in_loop, threaded
 from rostether.sync.graph_handles import (
@@ -64,7 +64,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
 
         Raises UnknownTypeError, InvalidNameError, GraphError.
         """
-        return Publisher(LOOP.call(self.wrapped.publisher(topic, name_of_type(type_name), latch=latch)))
+        return Publisher(LOOP.call(self.wrapped.publisher(topic, type_name, latch=latch)))
 
     @overload
     def messages(
@@ -85,8 +85,9 @@ class Graph(OpenContext[TypedGraph], LogMethods):
 
         The loop raises UnknownTypeError, DefinitionError, TypeMismatchError, InvalidNameError, GraphError.
         """
-        name = None if type_name is None else name_of_type(type_name)
-        return Messages(lambda: self.is_closed, self.wrapped.messages(topic, name, queue_size=queue_size))
+        return Messages(
+            lambda: self.is_closed, self.wrapped.messages(topic, type_name, queue_size=queue_size)
+        )
 
     @overload
     def wait_for_message(
@@ -101,8 +102,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
 
         Raises TimeoutError, UnknownTypeError, InvalidNameError, and GraphError if the node leaves the graph.
         """
-        name = None if type_name is None else name_of_type(type_name)
-        return self._wait_for_message(topic, name, timeout_s=timeout_s)
+        return self._wait_for_message(topic, type_name, timeout_s=timeout_s)
 
     @overload
     def subscriber(
@@ -118,9 +118,8 @@ class Graph(OpenContext[TypedGraph], LogMethods):
         Raises UnknownTypeError, InvalidNameError, TypeError for an async callback. If the graph refuses the
         subscription, this is logged.
         """
-        name = None if type_name is None else name_of_type(type_name)
         thread = CallbackThread(f"rostether {topic}", guarded(callback), limit=DEFAULT_QUEUE_MESSAGES)
-        subscriber = self.wrapped.subscriber(topic, name, lambda message: thread.put([message]))
+        subscriber = self.wrapped.subscriber(topic, type_name, lambda message: thread.put([message]))
         return Subscriber(LOOP.call(subscriber), thread)
 
     @overload
@@ -167,7 +166,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
     ) -> ServiceClient[Response]: ...
     def service_client(self, service: str, type_name: str | type[Service[Any, Any]]) -> ServiceClient[Any]:
         """Return a client for many calls of a service, which need not exist yet. Raises UnknownTypeError."""
-        return ServiceClient(LOOP.call(self.wrapped.service_client(service, name_of_type(type_name))))
+        return ServiceClient(LOOP.call(self.wrapped.service_client(service, type_name)))
 
     @overload
     def service_server(
@@ -189,7 +188,7 @@ class Graph(OpenContext[TypedGraph], LogMethods):
         Raises UnknownTypeError, InvalidNameError, GraphError, TypeError for an async handler.
         """
         handle = threaded(handler)
-        return ServiceServer(LOOP.call(self.wrapped.service_server(service, name_of_type(type_name), handle)))
+        return ServiceServer(LOOP.call(self.wrapped.service_server(service, type_name, handle)))
 
     def watch_param(self, name: str, on_change: Callable[[ParamValue], object]) -> ParamWatch:
         """Call a function, in a thread, with the value now and after each change; None means it is unset.
