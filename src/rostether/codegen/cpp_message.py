@@ -31,7 +31,7 @@ _STATIC_TYPES = {"float32": "float", "float64": "double", "string": "const char*
 # Sketches assign arrays of float and of double to a float64[]; this class accepts both.
 _SEQUENCE_POINTERS = {"float64": "ros::Float64Pointer"}
 # The elements of these sequences are not aligned in the receive buffer.
-_SEQUENCES_OF_64_BITS = frozenset({"int64", "uint64"})
+_UNALIGNED_ELEMENTS = {"int64": "ros::unaligned_int64", "uint64": "ros::unaligned_uint64"}
 
 _PRIMITIVES = {
     "bool": "bool",
@@ -41,11 +41,10 @@ _PRIMITIVES = {
     **{f"{sign}int{bits}": f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64)},
     "float32": "float",
     "float64": "double",
+    "string": "const char*",
     "time": "ros::Time",
     "duration": "ros::Duration",
 }
-_ELEMENTS = {"string": "char*"}
-_ELEMENTS_OF_SEQUENCES = {"int64": "ros::unaligned_int64", "uint64": "ros::unaligned_uint64"}
 _ZEROS = {"bool": "false", "string": '""', "time": "", "duration": ""}
 
 
@@ -64,14 +63,14 @@ def message_class(spec: MessageSpec, names: MemberNames, *, type_name: str, md5s
     cpp_class = class_name(spec.name)
     parents = f"public ros::Message<{cpp_class}>"
     if any(map(is_static, names.constants)):
-        yield from static_constants(cpp_class, names.constants)
+        yield from _static_constants(cpp_class, names.constants)
         yield ""
         parents += f", public {constants_class(cpp_class)}<void>"
-    fields = [field_lines(field, name) for field, name in zip(spec.fields, names.fields, strict=True)]
+    fields = [_field_lines(field, name) for field, name in zip(spec.fields, names.fields, strict=True)]
     yield f"class {cpp_class} : {parents} {{"
     yield " public:"
     parts = (
-        enumerators(names.constants),
+        _enumerators(names.constants),
         (line for field in fields for line in field.declarations),
         _constructor(cpp_class, [each for field in fields for each in field.initializers]),
         _field_list([field.archive_call for field in fields if field.archive_call]),
@@ -105,8 +104,7 @@ def _field_list(calls: list[str]) -> Iterator[str]:
     yield "}"
 
 
-def enumerators(constants: Iterable[NamedConstant]) -> Iterator[str]:
-    """Yield the declarations of the integer and bool constants."""
+def _enumerators(constants: Iterable[NamedConstant]) -> Iterator[str]:
     for each in constants:
         if not is_static(each):
             yield f"enum {{ {each.name} = {integer_literal(int(each.constant.value))} }};"
@@ -119,7 +117,7 @@ def is_static(constant: NamedConstant) -> bool:
     return constant.constant.type in _STATIC_TYPES
 
 
-def static_constants(cpp_class: str, constants: Iterable[NamedConstant]) -> Iterator[str]:
+def _static_constants(cpp_class: str, constants: Iterable[NamedConstant]) -> Iterator[str]:
     """Yield the class template of a message's float and string constants, and their definitions."""
     holder = constants_class(cpp_class)
     statics = [each for each in constants if is_static(each)]
@@ -155,7 +153,7 @@ def _declaration(constant: Constant, name: str) -> Iterator[str]:
         yield "#endif"
 
 
-class FieldLines(Struct, frozen=True):
+class _FieldLines(Struct, frozen=True):
     """Declarations, initializers (`name{value}`) and the call that passes the field to an archive."""
 
     declarations: tuple[str, ...]
@@ -163,8 +161,7 @@ class FieldLines(Struct, frozen=True):
     archive_call: str
 
 
-def field_lines(field: Field, name: str) -> FieldLines:
-    """Return the lines of a field whose member is called `name`."""
+def _field_lines(field: Field, name: str) -> _FieldLines:
     if is_variable_array(field):
         return _sequence(field, name)
     if field.type.is_array:
@@ -172,35 +169,35 @@ def field_lines(field: Field, name: str) -> FieldLines:
     return _single_value(field, name)
 
 
-def _single_value(field: Field, name: str) -> FieldLines:
+def _single_value(field: Field, name: str) -> _FieldLines:
     base = field.type.base
     call = "message" if is_message(base) else "string" if base == "string" else "value"
-    return FieldLines(
-        (f"typedef {scalar_type(base)} _{name}_type;", f"_{name}_type {name};"),
-        (f"{name}{{{zero(base)}}}",),
+    return _FieldLines(
+        (f"typedef {_scalar_type(base)} _{name}_type;", f"_{name}_type {name};"),
+        (f"{name}{{{'' if is_message(base) else _ZEROS.get(base, '0')}}}",),
         f"archive.{call}(self.{name});",
     )
 
 
-def _fixed_array(field: Field, name: str) -> FieldLines:
+def _fixed_array(field: Field, name: str) -> _FieldLines:
     if field.type.length == 0:
         # C++ has no arrays without elements, and there is nothing to send.
-        return FieldLines((f"// {name} has no elements.",), (), "")
-    return FieldLines(
-        (f"{element_type(field.type.base)} {name}[{field.type.length}];",),
+        return _FieldLines((f"// {name} has no elements.",), (), "")
+    return _FieldLines(
+        (f"{_element_type(field.type.base)} {name}[{field.type.length}];",),
         (f"{name}{{}}",),
         f"archive.fixed(self.{name});",
     )
 
 
-def _sequence(field: Field, name: str) -> FieldLines:
+def _sequence(field: Field, name: str) -> _FieldLines:
     base = field.type.base
     pointer = _SEQUENCE_POINTERS.get(base, f"_{name}_type*")
-    call = "sequence64" if base in _SEQUENCES_OF_64_BITS else "sequence"
-    return FieldLines(
+    call = "sequence64" if base in _UNALIGNED_ELEMENTS else "sequence"
+    return _FieldLines(
         (
             f"ros::array_length {name}_length;",
-            f"typedef {sequence_element_type(base)} _{name}_type;",
+            f"typedef {_UNALIGNED_ELEMENTS.get(base) or _element_type(base)} _{name}_type;",
             f"{pointer} {name};",
         ),
         (f"{name}_length{{0}}", f"{name}{{nullptr}}"),
@@ -213,21 +210,9 @@ def is_message(base: str) -> bool:
     return base not in PRIMITIVE_TYPES
 
 
-def scalar_type(base: str) -> str:
-    """Return the type of a single value."""
-    return "const char*" if base == "string" else _PRIMITIVES.get(base) or qualified_class(base)
+def _scalar_type(base: str) -> str:
+    return _PRIMITIVES.get(base) or qualified_class(base)
 
 
-def element_type(base: str) -> str:
-    """Return the type of an element of an array of fixed length."""
-    return _ELEMENTS.get(base) or scalar_type(base)
-
-
-def sequence_element_type(base: str) -> str:
-    """Return the type of an element of an array of variable length, which stays in the receive buffer."""
-    return _ELEMENTS_OF_SEQUENCES.get(base) or element_type(base)
-
-
-def zero(base: str) -> str:
-    """Return the initializer of a single value, without braces."""
-    return "" if is_message(base) else _ZEROS.get(base, "0")
+def _element_type(base: str) -> str:
+    return "char*" if base == "string" else _scalar_type(base)
