@@ -13,20 +13,15 @@ _COMMON_PACKAGES = ("std_msgs", "std_srvs", "geometry_msgs", "sensor_msgs", "nav
 HOW_TO_GIVE = "give its folder with --msg-path DIR or put it on ROS_PACKAGE_PATH"
 
 
-class KnownNames(Protocol):
-    """The names in a registry."""
+class _KnownNames(Protocol):
+    """The full names in a registry: of all packages, or of one."""
 
-    def packages(self) -> list[str]:
-        """Return the names of all packages."""
-
-    def messages(self, package: str | None = None) -> list[str]:
-        """Return the full names of the messages, of one package or of all."""
-
-    def services(self, package: str | None = None) -> list[str]:
-        """Return the full names of the services, of one package or of all."""
+    def packages(self) -> list[str]: ...
+    def messages(self, package: str | None = None) -> list[str]: ...
+    def services(self, package: str | None = None) -> list[str]: ...
 
 
-def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str) -> str:
+def explain_unknown(known: _KnownNames, kind: Kind, package: str, short_name: str) -> str:
     """Return why `package/short_name` is unknown and what to do."""
     wanted = f"{package}/{short_name}"
     packages = known.packages()

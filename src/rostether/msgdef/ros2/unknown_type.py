@@ -22,14 +22,11 @@ _EXAMPLES = {
 _NOUNS = {Kind.MESSAGE: "message", Kind.SERVICE: "service", Kind.ACTION: "action"}
 
 
-class KnownNames(Protocol):
-    """Lists the names of definitions."""
+class _KnownNames(Protocol):
+    """The full names of definitions: of all packages, or of one."""
 
-    def packages(self) -> list[str]:
-        """Return the names of all packages."""
-
-    def names(self, kind: Kind, package: str | None = None) -> list[str]:
-        """Return the full names of a kind, of one package or of all."""
+    def packages(self) -> list[str]: ...
+    def names(self, kind: Kind, package: str | None = None) -> list[str]: ...
 
 
 def split_name(name: str, kind: Kind = Kind.MESSAGE) -> tuple[str, Kind, str]:
@@ -46,7 +43,7 @@ def split_name(name: str, kind: Kind = Kind.MESSAGE) -> tuple[str, Kind, str]:
     return found[1], Kind(found[2]), found[3]
 
 
-def explain_unknown(known: KnownNames, kind: Kind, package: str, short_name: str) -> str:
+def explain_unknown(known: _KnownNames, kind: Kind, package: str, short_name: str) -> str:
     """Return why `package/kind/short_name` is unknown and what to do."""
     wanted = f"{package}/{kind}/{short_name}"
     packages = known.packages()
