@@ -53,7 +53,7 @@ PIECES = st.sampled_from(
 def load_or_refuse(body: bytes) -> None:
     """Load a launch file; an error has one line and the file."""
     try:
-        load_launch([], {"x": "1"}, {}, {}, text=body)
+        load_launch([], {"x": "1"}, LaunchContext({}, {}), text=body)
     except LaunchError as error:
         assert "\n" not in str(error)
         assert error.file

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import getpass
 import socket
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from rostether.errors import LaunchError
@@ -36,26 +36,17 @@ STDIN_NAME = "<stdin>"
 def load_launch(
     paths: Iterable[Path | str],
     arguments: Mapping[str, str],
-    environ: Mapping[str, str],
-    packages: Mapping[str, Path],
+    context: LaunchContext,
     *,
     text: bytes | None = None,
-    programs: Mapping[tuple[str, str], Sequence[str]] | None = None,
-    builtin_packages: Iterable[str] = (),
-    runs_commands: bool = True,
 ) -> LaunchPlan:
     """Read launch files in order into one plan.
 
-    `arguments` are those of the command line. `packages` maps package names to folders. `text` is a launch
-    file from standard input, which is read last. `programs` maps (package, program) to built-in command
-    lines, for names such as `$(find xacro)/xacro` if the package is not installed. $(find) also finds the
-    packages of `programs` and `builtin_packages`. Without `runs_commands`, nothing is executed, and
-    parameters with `command=` are empty strings. Raises LaunchError with file and line.
+    `arguments` are those of the command line. `text` is a launch file from standard input, which is read
+    last. Raises LaunchError with file and line.
     """
-    programs = programs or {}
-    built_in = frozenset(builtin_packages) | {package for package, _ in programs}
-    loader = _Loader(LaunchContext(environ, packages, built_in, programs, runs_commands))
-    namespace = as_namespace(arguments.get("__ns") or environ.get("ROS_NAMESPACE") or "/")
+    loader = _Loader(context)
+    namespace = as_namespace(arguments.get("__ns") or context.environ.get("ROS_NAMESPACE") or "/")
     for path in paths:
         loader.load_root(read_file(str(path)), str(path), namespace, arguments)
     if text is not None:

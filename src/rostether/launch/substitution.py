@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -55,14 +55,15 @@ _EXTRA: Mapping[str, Any] = {
 class LaunchContext(Struct, frozen=True):
     """What launch files can read besides files: environment variables, packages and the output of commands.
 
-    `packages` maps package names to folders. `built_in` are packages without folders: their paths are below
-    BUILTIN_ROOT, and no file exists there. `programs` maps (package, program) to built-in command lines, for
-    packages that are not installed. Without `runs_commands`, a parameter with `command=` is an empty string.
+    `packages` maps package names to folders. `programs` maps (package, program) to built-in command lines,
+    for names such as `$(find xacro)/xacro` if the package is not installed. The packages of `programs` and
+    the `builtin_packages` have no folders: their paths are below BUILTIN_ROOT, and no file exists there.
+    Without `runs_commands`, a parameter with `command=` is an empty string.
     """
 
     environ: Mapping[str, str]
     packages: Mapping[str, Path]
-    built_in: frozenset[str] = frozenset()
+    builtin_packages: Collection[str] = ()
     programs: Mapping[tuple[str, str], Sequence[str]] = field(default_factory=dict)
     runs_commands: bool = True
 
@@ -113,7 +114,7 @@ def _package_folder(name: str, context: LaunchContext) -> str:
     """Return the folder of a package. Raises LaunchError when there is none."""
     if name in context.packages:
         return str(context.packages[name])
-    if name in context.built_in:
+    if name in context.builtin_packages or any(name == package for package, _ in context.programs):
         return f"{BUILTIN_ROOT}/{name}"
     hint = did_you_mean(name, context.packages) or "add the folder that contains it to ROS_PACKAGE_PATH"
     raise LaunchError(f"there is no package {name!r}; {hint}")

@@ -9,6 +9,7 @@ import pytest
 from interop.mearm_workspace import EXAMPLE, PACKAGE
 from rostether.launch.loading import load_launch
 from rostether.launch.plan import LaunchPlan
+from rostether.launch.substitution import LaunchContext
 from rostether.msgdef.registry import Registry
 from rostether.packages.package_xml import parse_package_xml
 from rostether.packages.search_path import find_packages
@@ -22,7 +23,7 @@ JOINTS = ["joint_0", "joint_1", "joint_2", "joint_3"]
 
 def planned(package: str, file: str, **arguments: str) -> LaunchPlan:
     packages = find_packages([EXAMPLE])
-    return load_launch([packages[package] / "launch" / file], arguments, {}, packages)
+    return load_launch([packages[package] / "launch" / file], arguments, LaunchContext({}, packages))
 
 
 def nodes(plan: LaunchPlan) -> dict[str, str]:

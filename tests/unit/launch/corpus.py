@@ -13,6 +13,7 @@ from typing import Any
 from rostether.launch.command_line import node_environment
 from rostether.launch.loading import load_launch
 from rostether.launch.plan import DeleteParameters, DumpParameters, LaunchPlan
+from rostether.launch.substitution import LaunchContext
 from rostether.names.remap import ASSIGNMENT
 
 FOLDER = Path(__file__).parents[2] / "vectors" / "launch"
@@ -37,7 +38,8 @@ def given_words(file: Path) -> list[str]:
 def load(file: Path) -> LaunchPlan:
     """Read one file of the corpus."""
     arguments = dict(word.split(ASSIGNMENT, 1) for word in given_words(file))
-    return load_launch([file], arguments, {**ENVIRON, "PATH": "/usr/bin:/bin"}, {"corpus_robot": ROBOT})
+    context = LaunchContext({**ENVIRON, "PATH": "/usr/bin:/bin"}, {"corpus_robot": ROBOT})
+    return load_launch([file], arguments, context)
 
 
 def expected() -> dict[str, Any]:

@@ -10,6 +10,7 @@ from rostether.errors import LaunchError
 from rostether.launch.files import BUILTIN_ROOT
 from rostether.launch.loading import STDIN_NAME, load_launch
 from rostether.launch.plan import LaunchPlan
+from rostether.launch.substitution import LaunchContext
 from unit.launch.corpus import RIGHT, ROBOT, WRONG, described, exact, expected, load
 
 # The files whose error is in an included file.
@@ -29,7 +30,8 @@ LINES = {
 
 def loads(body: str, arguments: dict[str, str] | None = None, **options: object) -> LaunchPlan:
     text = f"<launch>\n{body}\n</launch>".encode()
-    return load_launch([], arguments or {}, {"PATH": "/usr/bin:/bin"}, {}, text=text, **options)  # type: ignore[arg-type]
+    context = LaunchContext({"PATH": "/usr/bin:/bin"}, {}, **options)  # type: ignore[arg-type]
+    return load_launch([], arguments or {}, context, text=text)
 
 
 @pytest.mark.parametrize("file", RIGHT, ids=lambda file: file.stem)
@@ -98,12 +100,14 @@ def test_unknown_tags_and_attributes_cause_warnings() -> None:
 def test_document_type_is_refused_before_entities_are_read() -> None:
     bomb = b'<!DOCTYPE x [<!ENTITY a "aaaa">]>\n<launch><param name="x" value="&a;"/></launch>'
     with pytest.raises(LaunchError, match="DTD"):
-        load_launch([], {}, {}, {}, text=bomb)
+        load_launch([], {}, LaunchContext({}, {}), text=bomb)
 
 
 def test_a_file_that_includes_itself_twice_is_refused() -> None:
     with pytest.raises(LaunchError, match="is included more than 50 levels deep"):
-        load_launch([ROBOT / "wrong" / "include_itself.launch"], {}, {}, {"corpus_robot": ROBOT})
+        load_launch(
+            [ROBOT / "wrong" / "include_itself.launch"], {}, LaunchContext({}, {"corpus_robot": ROBOT})
+        )
 
 
 def test_the_number_of_includes_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,9 +115,9 @@ def test_the_number_of_includes_is_limited(tmp_path: Path, monkeypatch: pytest.M
     included = tmp_path / "empty.launch"
     included.write_text("<launch/>")
     include = f'<include file="{included}"/>'
-    load_launch([], {}, {}, {}, text=f"<launch>{include * 3}</launch>".encode())
+    load_launch([], {}, LaunchContext({}, {}), text=f"<launch>{include * 3}</launch>".encode())
     with pytest.raises(LaunchError, match="the launch files have more than 3 includes"):
-        load_launch([], {}, {}, {}, text=f"<launch>{include * 4}</launch>".encode())
+        load_launch([], {}, LaunchContext({}, {}), text=f"<launch>{include * 4}</launch>".encode())
 
 
 @pytest.mark.parametrize("value", ["3000000000", "-2147483649"])
@@ -159,7 +163,7 @@ def test_files_of_a_built_in_package_are_reported_as_missing() -> None:
 def test_later_file_replaces_parameters_of_an_earlier_one(tmp_path: Path) -> None:
     for name, value in (("a", 1), ("b", 2)):
         (tmp_path / name).write_text(f'<launch><param name="x" value="{value}"/></launch>')
-    plan = load_launch([tmp_path / "a", tmp_path / "b"], {}, {}, {})
+    plan = load_launch([tmp_path / "a", tmp_path / "b"], {}, LaunchContext({}, {}))
     assert plan.parameters == {"/x": 2}
 
 
@@ -167,7 +171,7 @@ def test_errors_suggest_a_similar_package(tmp_path: Path) -> None:
     file = tmp_path / "x.launch"
     file.write_text('<launch><param name="x" value="$(find corpus_robt)"/></launch>')
     with pytest.raises(LaunchError, match=r"did you mean corpus_robot\?"):
-        load_launch([file], {}, {}, {"corpus_robot": ROBOT})
+        load_launch([file], {}, LaunchContext({}, {"corpus_robot": ROBOT}))
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from rostether.launch.loading import load_launch
 from rostether.launch.node_process import StopLimits
 from rostether.launch.plan import LaunchPlan, Output
 from rostether.launch.runner import RunOptions, outermost, run_plan
+from rostether.launch.substitution import LaunchContext
 from rostether.packages.executables import find_program
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.master_client import MasterClient
@@ -43,7 +44,8 @@ class Stage:
         file.chmod(0o755)
 
     def plan(self, body: str) -> LaunchPlan:
-        return load_launch([], {}, self.environ, {}, text=f"<launch>{body}</launch>".encode())
+        context = LaunchContext(self.environ, {})
+        return load_launch([], {}, context, text=f"<launch>{body}</launch>".encode())
 
     def locate(self, package: str, node_type: str, environ: Mapping[str, str]) -> Program | Replaced:
         if package == "rviz":

@@ -22,6 +22,7 @@ from rostether.launch.command_line import Locate, Program, Replaced
 from rostether.launch.loading import load_launch
 from rostether.launch.plan import LaunchPlan
 from rostether.launch.sources import LaunchSources, bundled_launch_packages, find_sources
+from rostether.launch.substitution import LaunchContext
 from rostether.packages.locate import package_around, package_folders
 from rostether.rospy.environment import script_environment
 
@@ -83,17 +84,16 @@ def load(words: Sequence[str], *, runs_commands: bool) -> LoadedLaunch:
             packages = package_folders({}, package) | packages
     near = _nearest(packages)
     environ = _environ_for(near)
-    plan = load_launch(
-        sources.files,
-        {**sources.arguments, **ros_arguments()},
+    context = LaunchContext(
         environ,
         packages,
-        text=read_bytes(STDIN) if sources.reads_stdin else None,
+        builtin_packages={package for package, _ in builtin_nodes()},
         # Launch files run it for a parameter's value: `$(find xacro)/xacro`.
         programs={("xacro", "xacro"): own_command("xacro")},
-        builtin_packages={package for package, _ in builtin_nodes()},
         runs_commands=runs_commands,
     )
+    text = read_bytes(STDIN) if sources.reads_stdin else None
+    plan = load_launch(sources.files, {**sources.arguments, **ros_arguments()}, context, text=text)
     return LoadedLaunch(plan, sources, environ, _locator(packages, near))
 
 
