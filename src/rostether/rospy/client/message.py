@@ -201,7 +201,9 @@ def strify_message(
         lines = []
         for name, kind in zip(val._field_names(), val._slot_types, strict=True):
             if name in shown:
-                value = _with_byte_list(getattr(val, name), kind)
+                value = getattr(val, name)
+                if isinstance(value, bytes) and "uint8[" in kind:
+                    value = list(value)
                 text = strify_message(value, f"  {indent}", time_offset, current_time, field_filter)
                 lines.append(f"{indent}{name}: {text}")
         text = "\n".join(lines)
@@ -224,10 +226,6 @@ def _list_text(values: Any, indent: str, *settings: Any) -> str:
     if isinstance(values[0], int | float):
         return str(list(values))
     return "\n" + "\n".join(f"{indent}- {strify_message(each, f'{indent}  ', *settings)}" for each in values)
-
-
-def _with_byte_list(value: Any, kind: str) -> Any:
-    return list(value) if isinstance(value, bytes) and "uint8[" in kind else value
 
 
 def _as_tuple(value: Any) -> Any:

@@ -88,8 +88,7 @@ class Transformer:
 
         Raises tf.LookupException, ConnectivityException, ExtrapolationException.
         """
-        found = self._buffer.lookup_transform(_bare(target_frame), _bare(source_frame), time)
-        return _lists(found)
+        return _lists(self._lookup(target_frame, source_frame, time))
 
     def lookupTransformFull(
         self, target_frame: str, target_time: Any, source_frame: str, source_time: Any, fixed_frame: str
@@ -184,8 +183,11 @@ class Transformer:
         """Return the prefix of frames: empty since tf2."""
         return ""
 
+    def _lookup(self, target_frame: str, source_frame: str, time: Any) -> Any:
+        return self._buffer.lookup_transform(_bare(target_frame), _bare(source_frame), time)
+
     def _transform(self, target_frame: str, source_frame: str, time: Any) -> Transform:
-        return transform_of(self._buffer.lookup_transform(_bare(target_frame), _bare(source_frame), time))
+        return transform_of(self._lookup(target_frame, source_frame, time))
 
     def _require_listening(self) -> None:
         if not self._using_dedicated_thread:
@@ -225,23 +227,11 @@ class TransformerROS(Transformer):
 
     def transformPointCloud(self, target_frame: str, point_cloud: Any) -> Any:
         """Return a PointCloud in another frame."""
-        header = point_cloud.header
-        found = self._buffer.lookup_transform(_bare(target_frame), _bare(header.frame_id), header.stamp)
-        transform = transform_of(found)
-        moved: Any = type(point_cloud)()
-        moved.header.stamp = header.stamp
-        moved.header.frame_id = target_frame
-        moved.channels = point_cloud.channels
-        point_class: Any = all_types().message_class("geometry_msgs/Point32")
-        moved.points = [
-            point_class(*transform.apply((point.x, point.y, point.z))) for point in point_cloud.points
-        ]
-        return moved
+        return self._moved(_moved_cloud, target_frame, point_cloud)
 
     def _moved(self, function: Any, target_frame: str, message: Any) -> Any:
         header = message.header
-        found = self._buffer.lookup_transform(_bare(target_frame), _bare(header.frame_id), header.stamp)
-        moved = function(message, found)
+        moved = function(message, self._lookup(target_frame, header.frame_id, header.stamp))
         moved.header.stamp = header.stamp
         moved.header.frame_id = target_frame
         return moved
@@ -258,6 +248,13 @@ class TransformListener(TransformerROS):
     def unregister(self) -> None:
         """Stop listening."""
         self._listener.unregister()
+
+
+def _moved_cloud(cloud: Any, message: Any) -> Any:
+    transform = transform_of(message)
+    point_class: Any = all_types().message_class("geometry_msgs/Point32")
+    points = [point_class(*transform.apply((each.x, each.y, each.z))) for each in cloud.points]
+    return type(cloud)(points=points, channels=cloud.channels)
 
 
 def _bare(frame: str) -> str:
