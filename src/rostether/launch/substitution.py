@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,9 @@ _MAX_TEXT_CHARS = 4 << 20
 _MAX_SUBSTITUTIONS = 10_000
 
 _EVAL_PREFIX = "$(eval "
+
+# The text after `$(`, and the character that ends it; none if the text ends first.
+_SUBSTITUTION = re.compile(r"\$\(([^$()]*)([$()]?)")
 
 _EXTRA: Mapping[str, Any] = {
     "list": list,
@@ -163,26 +167,16 @@ def _only(found: str, words: list[str]) -> str:
 
 def _substitutions(text: str) -> Iterator[str]:
     """Yield the texts between `$(` and `)`; other dollar signs and brackets are plain characters."""
-    start = -1
-    after_dollar = False
     found: list[str] = []
-    for index, character in enumerate(text):
-        if start >= 0:
-            if character == "$":
-                raise LaunchError(f"{text!r}: $(...) cannot be nested; use $(eval ...)")
-            if character == "(":
-                if text.startswith(_EVAL_PREFIX[2:], start):
-                    raise LaunchError(
-                        f"{text!r}: $(eval ...) has to be the whole value; move the rest into it"
-                    )
-                raise LaunchError(f"{text!r}: there is a second '(' inside $(...); remove it")
-            if character == ")":
-                if index > start:
-                    found.append(text[start:index])
-                start = -1
-        elif character == "(" and after_dollar:
-            start = index + 1
-        after_dollar = character == "$"
+    for inner, end in _SUBSTITUTION.findall(text):
+        if end == "$":
+            raise LaunchError(f"{text!r}: $(...) cannot be nested; use $(eval ...)")
+        if end == "(" and inner.startswith(_EVAL_PREFIX[2:]):
+            raise LaunchError(f"{text!r}: $(eval ...) has to be the whole value; move the rest into it")
+        if end == "(":
+            raise LaunchError(f"{text!r}: there is a second '(' inside $(...); remove it")
+        if end and inner:
+            found.append(inner)
     if len(found) > _MAX_SUBSTITUTIONS:
         raise LaunchError(f"a text has more than {_MAX_SUBSTITUTIONS} substitutions $(...); split it")
     for each in found:
