@@ -67,31 +67,27 @@ class Constant(Struct, frozen=True):
     text: str
 
 
-class MessageSpec(Struct, frozen=True):
-    """One message definition; `text` is its source as read."""
-
+class _Definition(Struct, frozen=True):
     package: str
     name: str
+
+    @property
+    def full_name(self) -> str:
+        """The name `package/Name`."""
+        return f"{self.package}/{self.name}"
+
+
+class MessageSpec(_Definition, frozen=True):
+    """One message definition; `text` is its source as read."""
+
     fields: tuple[Field, ...]
     constants: tuple[Constant, ...]
     text: str
 
-    @property
-    def full_name(self) -> str:
-        """The name `package/Name`."""
-        return f"{self.package}/{self.name}"
 
-
-class ServiceSpec(Struct, frozen=True):
+class ServiceSpec(_Definition, frozen=True):
     """One service definition; its messages are named `NameRequest` and `NameResponse`."""
 
-    package: str
-    name: str
     request: MessageSpec
     response: MessageSpec
     text: str
-
-    @property
-    def full_name(self) -> str:
-        """The name `package/Name`."""
-        return f"{self.package}/{self.name}"

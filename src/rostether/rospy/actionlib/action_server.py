@@ -137,19 +137,13 @@ class ActionServer:
     def publish_result(self, status: Any, result: Any) -> None:
         """Publish the result of a goal, and the status list."""
         with self.lock:
-            message = self.ActionResult(status=status, result=result)
-            message.header.stamp = Time.now()
-            if not is_shutdown():
-                self.result_pub.publish(message)
+            self._publish(self.result_pub, self.ActionResult(status=status, result=result))
             self.publish_status()
 
     def publish_feedback(self, status: Any, feedback: Any) -> None:
         """Publish the progress of a goal."""
         with self.lock:
-            message = self.ActionFeedback(status=status, feedback=feedback)
-            message.header.stamp = Time.now()
-            if not is_shutdown():
-                self.feedback_pub.publish(message)
+            self._publish(self.feedback_pub, self.ActionFeedback(status=status, feedback=feedback))
 
     def publish_status_async(self, event: object) -> None:
         """Publish the status list; the timer calls this."""
@@ -165,10 +159,13 @@ class ActionServer:
             self.status_list = [
                 goal for goal in self.status_list if not goal.ended_at or goal.ended_at + limit >= now
             ]
-            message = GoalStatusArray(status_list=[goal.status for goal in self.status_list])
-            message.header.stamp = now
-            if not is_shutdown():
-                self.status_pub.publish(message)
+            statuses = [goal.status for goal in self.status_list]
+            self._publish(self.status_pub, GoalStatusArray(status_list=statuses))
+
+    def _publish(self, publisher: Publisher, message: Any) -> None:
+        message.header.stamp = Time.now()
+        if not is_shutdown():
+            publisher.publish(message)
 
     def internal_goal_callback(self, goal: Any) -> None:
         """Handle a goal."""
