@@ -13,7 +13,6 @@ import click
 
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.bag.formatting import time_text
-from rostether.cli.bag.record import DURATION
 from rostether.cli.bag.recording_files import (
     asked_form,
     format_option,
@@ -22,7 +21,7 @@ from rostether.cli.bag.recording_files import (
     storage_option,
     warn_of_damage,
 )
-from rostether.cli.shell.option_group import PATH, add_option
+from rostether.cli.shell.option_group import DURATION, PATH, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError

@@ -8,8 +8,9 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
@@ -20,15 +21,16 @@ from rostether.cli.access.ros1_access import read_environment, resolve
 from rostether.cli.bag.formatting import MEGABYTE, size_text
 from rostether.cli.bag.progress import ProgressLine
 from rostether.cli.bag.recording_files import (
-    NewFiles,
-    Packing,
     asked_form,
+    check_compression,
     format_option,
+    new_path,
     recording_graph,
     storage_option,
 )
 from rostether.cli.shell.option_group import (
     COUNT,
+    DURATION,
     NumberRange,
     flag,
     ignored_options,
@@ -45,34 +47,20 @@ from rostether.mechanisms.text import counted, misfit_text
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
+    from rostether.recording.files import Form
     from rostether.recording.recorded import RecordingWriter
     from rostether.recording.recorder import Recorder
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
     from rostether.recording.ros2.channels import UnfitMessages
+    from rostether.ros2.types.type_support import Ros2Types
+
+    Create: TypeAlias = Callable[[Path], RecordingWriter]
 
 # As in rosbag.
 BEGIN_TOPIC = "/begin_write"
 # The buffer for -b 0, which means no limit in rosbag: a larger one could use up the memory of the machine.
 MAX_BUFFER_MB = 4096
 KILOBYTE = 1024
-_UNITS_S = {"": 1, "s": 1, "m": 60, "h": 3600}
-
-
-class _DurationType(click.ParamType[float]):
-    """A duration such as 30, 30s, 5m or 2h."""
-
-    name = "duration"
-
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        if isinstance(value, float):
-            return value
-        match = re.fullmatch(r"(\d+(?:\.\d+)?)([smh]?)", str(value))
-        if match is None or not float(match[1]):
-            self.fail(f"{value!r} is not a duration; write 30, 30s, 5m or 2h", param, ctx)
-        return float(match[1]) * _UNITS_S[match[2]]
-
-
-DURATION = _DurationType()
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,6 +144,7 @@ async def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: Gra
     The file is called NAME.active until it is closed. If the command is killed, the file lacks at most the
     last half second; `rostether bag reindex` repairs it.
     """
+    from rostether.recording.files import Form
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
     if options.split and options.size_mb is None and options.duration_s is None:
@@ -188,25 +177,21 @@ async def bag_record(options: RecordOptions, topics: tuple[str, ...], graph: Gra
         max_splits=options.max_splits,
         messages_per_topic=options.limit,
     )
-    packing = Packing(options.compression, options.chunk_kb * KILOBYTE, options.storage)
-    files = NewFiles(
-        options.output_name,
-        options.output_prefix,
-        packing,
-        asked_form(options.form),
-        is_splitting=options.split,
-        of_ros2_graph=graph.is_ros2_alone,
-    )
-    await _record(graph, choice, limits, files, options)
+    source = Form.ROS2 if graph.is_ros2_alone else Form.ROS1
+    path, form = new_path(options.output_name, options.output_prefix, source, asked_form(options.form))
+    check_compression(path, options.compression, options.storage)
+    await _record(graph, choice, limits, path, form, options)
 
 
 async def _record(
     graph_options: GraphOptions,
     choice: TopicChoice,
     limits: RecordLimits,
-    files: NewFiles,
+    path: Path,
+    form: Form,
     options: RecordOptions,
 ) -> None:
+    from rostether.recording.files import Form
     from rostether.recording.recorder import Recorder
     from rostether.recording.ros2.channels import UnfitMessages
 
@@ -219,21 +204,20 @@ async def _record(
         line.clear()
         warn(text)
 
-    unfit = files.unfit = UnfitMessages(report_unfit)
+    unfit = UnfitMessages(report_unfit)
     line = ProgressLine(is_shown=not options.quiet and sys.stderr.isatty())
     async with recording_graph(
-        graph_options, "record", is_native=files.is_of_ros2, msg_paths=options.msg_paths
+        graph_options, "record", is_native=form is Form.ROS2, msg_paths=options.msg_paths
     ) as graph:
-        files.types = graph.types
-        create: Callable[[Path], RecordingWriter] = files.create
+        create, path_of = _files(path, form, options, graph.types, unfit)
         if options.publishes_begin:
-            create = await _reporting_begin(graph.raw, files)
+            create = await _reporting_begin(graph.raw, create)
         recorder = Recorder(
             graph.raw,
             choice,
             limits,
             create=create,
-            name=files.path_of,
+            name=path_of,
             report=report,
             repeat_latched=options.repeat_latched,
             buffer_bytes=options.buffer_bytes,
@@ -264,7 +248,31 @@ def _report_result(recorder: Recorder, unfit: UnfitMessages, report: Callable[[s
         )
 
 
-async def _reporting_begin(graph: Graph, files: NewFiles) -> Callable[[Path], RecordingWriter]:
+def _files(
+    path: Path, form: Form, options: RecordOptions, types: Ros2Types | None, unfit: UnfitMessages
+) -> tuple[Create, Callable[[int], Path]]:
+    """Return a function that creates a file, and one that returns the path of a file, given its number."""
+    from rostether.recording.files import FILE_SUFFIXES, create_recording
+
+    compression, chunk_bytes = options.compression, options.chunk_kb * KILOBYTE
+    if path.suffix in FILE_SUFFIXES:
+        create = partial(
+            create_recording,
+            compression=compression,
+            chunk_bytes=chunk_bytes,
+            form=form,
+            types=types,
+            unfit=unfit,
+        )
+        return create, lambda number: path.with_stem(f"{path.stem}_{number}") if options.split else path
+    from rostether.recording.ros2.bag_writer import Ros2Bag
+
+    storage = options.storage
+    bag = Ros2Bag(path, storage, compression=compression, chunk_bytes=chunk_bytes, types=types, unfit=unfit)
+    return bag.create, bag.path_of
+
+
+async def _reporting_begin(graph: Graph, create_file: Create) -> Create:
     """Return a function that creates a file and publishes its name on /begin_write."""
     from rostether.msgdef.registry import Registry
     from rostether.recording.file_lock import ACTIVE_SUFFIX
@@ -272,7 +280,7 @@ async def _reporting_begin(graph: Graph, files: NewFiles) -> Callable[[Path], Re
     publisher = await graph.advertise(BEGIN_TOPIC, Registry().message_type("std_msgs/String"), latch=True)
 
     def create(path: Path) -> RecordingWriter:
-        writer = files.create(path)
+        writer = create_file(path)
         name = str(path).removesuffix(ACTIVE_SUFFIX).encode(errors="surrogateescape")
         # A std_msgs/String: the length of its text in bytes, and the text.
         publisher.publish_raw([len(name).to_bytes(4, "little") + name])

@@ -21,9 +21,7 @@ from rostether.mechanisms.block_end import closed_at_end
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
     from rostether.recording.files import Form
-    from rostether.recording.recorded import RecordingReader, RecordingWriter, Ros2Origin
-    from rostether.recording.ros2.bag_writer import Ros2Bag
-    from rostether.recording.ros2.channels import UnfitMessages
+    from rostether.recording.recorded import RecordingReader, Ros2Origin
     from rostether.ros2.types.type_support import Ros2Types
 
 format_option = add_option(
@@ -82,104 +80,31 @@ def open_for(source: Path, target: Path, asked: Form | None = None) -> tuple[Rec
     return reader, form
 
 
-class Packing(Struct, frozen=True):
-    """The compression and the size of chunks, and the file format in a ROS 2 bag's folder."""
+def new_path(name: str | None, prefix: str | None, source: Form, asked: Form | None) -> tuple[Path, Form]:
+    """Return the path and the form of a new recording, named like those of rosbag and rosbag2.
 
-    compression: str
-    chunk_bytes: int
-    storage: str
-
-
-class NewFiles:
-    """The files of one recording, named like those of rosbag and rosbag2. Raises ConfigError.
-
-    The caller sets `types` (the graph's ROS 2 types) and `unfit` (which counts the messages that do not fit)
-    before it creates a file.
+    `source` is the form of the graph, and `asked` that of `--format`. A path without the suffix of a file is
+    the folder of a ROS 2 bag. Raises ConfigError.
     """
+    from rostether.recording.files import BAG_SUFFIX, FILE_SUFFIXES, Form, dated_name, form_for
 
-    def __init__(
-        self,
-        name: str | None,
-        prefix: str | None,
-        packing: Packing,
-        asked: Form | None,
-        *,
-        is_splitting: bool,
-        of_ros2_graph: bool,
-    ) -> None:
-        from rostether.recording.files import BAG_SUFFIX, FILE_SUFFIXES, Form, dated_name, form_for
-
-        source = Form.ROS2 if of_ros2_graph else Form.ROS1
-        wanted = asked or source
-        self.types: Ros2Types | None = None
-        self.unfit: UnfitMessages | None = None
-        self._packing = packing
-        self._is_splitting = is_splitting
-        self._bag: Ros2Bag | None = None
-        if name is None:
-            begin = f"{prefix.removesuffix(BAG_SUFFIX)}_" if prefix else ""
-            name = f"{begin or ('rosbag2_' if wanted is Form.ROS2 else '')}{dated_name()}"
-        path = Path(name)
-        suffix = path.suffix if path.suffix in FILE_SUFFIXES else ""
-        if not suffix and wanted is Form.ROS1:
-            suffix = BAG_SUFFIX
-        self._folder = path.parent
-        self._stem = path.name.removesuffix(suffix)
-        self._suffix = suffix
-        self._form = form_for(path.with_name(self._stem + suffix), source, asked)
-        _check_compression(packing, suffix)
-
-    @property
-    def is_of_ros2(self) -> bool:
-        """Whether the files contain messages of ROS 2."""
-        from rostether.recording.files import Form
-
-        return self._form is Form.ROS2
-
-    def path_of(self, number: int) -> Path:
-        """Return the path of the file with a number, counted from 0."""
-        if not self._suffix:
-            return self._ros2_bag().path_of(number)
-        stem = f"{self._stem}_{number}" if self._is_splitting else self._stem
-        return self._folder / f"{stem}{self._suffix}"
-
-    def create(self, path: Path) -> RecordingWriter:
-        """Create a file. Raises RecordingError, ConfigError."""
-        if not self._suffix:
-            return self._ros2_bag().create(path)
-        from rostether.recording.files import create_recording
-
-        return create_recording(
-            path,
-            compression=self._packing.compression,
-            chunk_bytes=self._packing.chunk_bytes,
-            form=self._form,
-            types=self.types,
-            unfit=self.unfit,
-        )
-
-    def _ros2_bag(self) -> Ros2Bag:
-        if self._bag is None:
-            from rostether.recording.ros2.bag_writer import Ros2Bag
-
-            self._bag = Ros2Bag(
-                self._folder / self._stem,
-                self._packing.storage,
-                compression=self._packing.compression,
-                chunk_bytes=self._packing.chunk_bytes,
-                types=self.types,
-                unfit=self.unfit,
-            )
-        return self._bag
+    wanted = asked or source
+    if name is None:
+        begin = f"{prefix.removesuffix(BAG_SUFFIX)}_" if prefix else ""
+        name = f"{begin or ('rosbag2_' if wanted is Form.ROS2 else '')}{dated_name()}"
+    path = Path(name)
+    if path.suffix not in FILE_SUFFIXES and wanted is Form.ROS1:
+        path = path.with_name(path.name + BAG_SUFFIX)
+    return path, form_for(path, source, asked)
 
 
-def _check_compression(packing: Packing, suffix: str) -> None:
+def check_compression(path: Path, compression: str, storage: str) -> None:
     """Raise ConfigError for options that would fail only when the file is created."""
-    if packing.compression == "none" or suffix == ".bag":
+    if compression == "none" or path.suffix == ".bag":
         return
-    if suffix == ".db3" or (not suffix and packing.storage != "mcap"):
+    if path.suffix == ".db3" or (path.suffix != ".mcap" and storage != "mcap"):
         raise ConfigError(".db3 files cannot be compressed; use MCAP, or no compression")
-    if packing.compression == "bz2":
+    if compression == "bz2":
         raise ConfigError("MCAP does not support bz2; use --lz4, or no compression")
 
 

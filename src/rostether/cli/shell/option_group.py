@@ -20,6 +20,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import math
+import re
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
@@ -29,6 +30,7 @@ import click
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Decorator = Callable[[Any], Any]
+_UNITS_S: Final = {"": 1, "s": 1, "m": 60, "h": 3600}
 
 
 class NumberRange(click.FloatRange):
@@ -42,8 +44,23 @@ class NumberRange(click.FloatRange):
         return number
 
 
+class _DurationType(click.ParamType[float]):
+    """A duration such as 30, 30s, 5m or 2h."""
+
+    name = "duration"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        if isinstance(value, float):
+            return value
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)([smh]?)", str(value))
+        if match is None or not float(match[1]):
+            self.fail(f"{value!r} is not a duration; write 30, 30s, 5m or 2h", param, ctx)
+        return float(match[1]) * _UNITS_S[match[2]]
+
+
 POSITIVE: Final = NumberRange(min=0, min_open=True)
 NOT_NEGATIVE: Final = NumberRange(min=0)
+DURATION: Final = _DurationType()
 COUNT: Final = click.IntRange(min=1)
 PORT: Final = click.IntRange(1, 65535)
 PATH: Final[click.Path] = click.Path(path_type=Path)
