@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import TypeAlias
 
 from rostether.cli.access.graph_options import GraphOptions, Middleware, middleware_of
 from rostether.cli.access.ros2_tool_node import tool_node
@@ -14,44 +14,43 @@ from rostether.names.graph_name import is_hidden
 from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.rclpy.left_over_memory import SHARED_MEMORY, find_leftover_files
 
-
-class _Finding(NamedTuple):
-    is_ok: bool
-    what: str
-    text: str
+# Reports whether something works, what it is, and what was found.
+_Report: TypeAlias = Callable[[bool, str, str], None]
 
 
 async def examine_ros2(ros2: str, *, as_json: bool) -> bool:
     """Print the findings; return whether none is a problem. Raises ConfigError."""
-    is_ok = True
-    async for finding in _examine(middleware_of(ros2)):
-        is_ok = is_ok and finding.is_ok
-        write_finding(finding.what, finding.text, is_ok=finding.is_ok, as_json=as_json)
-    return is_ok
+    results: list[bool] = []
+
+    def report(is_ok: bool, what: str, text: str) -> None:
+        results.append(is_ok)
+        write_finding(what, text, is_ok=is_ok, as_json=as_json)
+
+    await _examine(middleware_of(ros2), report)
+    return all(results)
 
 
-async def _examine(middleware: Middleware) -> AsyncIterator[_Finding]:
+async def _examine(middleware: Middleware, report: _Report) -> None:
     if middleware is Middleware.ZENOH:
-        async for finding in _routers(Ros2Environment.read()):
-            yield finding
+        await _examine_routers(Ros2Environment.read(), report)
     elif left := find_leftover_files():
         # Checked first, because leftover files can also delay the join below.
         text = (
             f"killed programs have left {counted(len(left), 'file')}, such as {left[0]}; if programs hang at "
             "their start, stop all ROS 2 programs and run `rm -f /dev/shm/*fastdds* /dev/shm/*fastrtps*`"
         )
-        yield _Finding(True, f"shared memory of Fast DDS in {SHARED_MEMORY}", text)
+        report(True, f"shared memory of Fast DDS in {SHARED_MEMORY}", text)
     try:
         async with tool_node(GraphOptions(ros2=middleware), is_quiet=True, needs_definitions=False) as tool:
             nodes = {node for node in (await tool.settled_snapshot()).nodes if not is_hidden(node)}
             text = f"{counted(len(nodes), 'node')} found. {tool.line}"
     except RostetherError as error:
-        yield _Finding(False, "graph", str(error))
+        report(False, "graph", str(error))
     else:
-        yield _Finding(True, "graph", text)
+        report(True, "graph", text)
 
 
-async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
+async def _examine_routers(environment: Ros2Environment, report: _Report) -> None:
     """Try the router of this machine, and every endpoint that the configuration files name."""
     # zenoh may be missing; `ros2_access` reports that.
     try:
@@ -75,9 +74,7 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
     if not configures_endpoints(environment):
         fault = await find_fault(ROUTER_ENDPOINT, {})
         advice = f"{fault} Start one with `rostether core --ros2 zenoh`, or with ROS 2's rmw_zenohd"
-        yield _Finding(
-            not fault, f"router of this machine, {ROUTER_ENDPOINT}", advice if fault else "answers"
-        )
+        report(not fault, f"router of this machine, {ROUTER_ENDPOINT}", advice if fault else "answers")
     for path, configure in (
         (environment.zenoh_router_config, router_configuration),
         (environment.zenoh_session_config, peer_configuration),
@@ -93,9 +90,9 @@ async def _routers(environment: Ros2Environment) -> AsyncIterator[_Finding]:
                 fault = NO_SESSION
             elif denied:
                 fault = f"its access control denies {', '.join(denied)} to this machine"
-            yield _Finding(not fault, f"{endpoint} in {path}", fault or "answers")
+            report(not fault, f"{endpoint} in {path}", fault or "answers")
         listening = endpoints_of(configuration, "listen")
         if listening:
             fault = find_listen_fault(configuration)
             where = f"listens on {', '.join(listening)}"
-            yield _Finding(not fault, str(path), f"{where}, but {fault}" if fault else where)
+            report(not fault, str(path), f"{where}, but {fault}" if fault else where)
