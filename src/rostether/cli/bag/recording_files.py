@@ -11,12 +11,9 @@ import click
 from msgspec import Struct
 
 from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
-from rostether.cli.access.ros1_access import joined, read_environment
-from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.option_group import add_option
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError
-from rostether.mechanisms.block_end import closed_at_end
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
@@ -129,6 +126,11 @@ async def recording_graph(
     If `is_native`, messages on ROS 2 alone have ROS 2's own fields. `origins` are the types in recordings,
     whose definitions need not be installed.
     """
+    # Commands that only read and write files start much faster without these modules.
+    from rostether.cli.access.ros1_access import joined, read_environment, ros1_join
+    from rostether.cli.access.ros2_access import ros2_access
+    from rostether.mechanisms.block_end import closed_at_end
+
     graph.refuse_unused()
     if graph.ros2 is None:
         async with joined(graph, purpose=purpose) as node:
@@ -146,7 +148,6 @@ async def recording_graph(
             await warn_without_router()
         join = access.join
         if graph.uses_ros1:
-            from rostether.cli.access.ros1_access import ros1_join
             from rostether.graph.joint_join import JointJoin
 
             join = JointJoin([ros1_join(read_environment(graph)), join])
