@@ -5,14 +5,13 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from msgspec import Struct
-
 from rostether.cli.bag.formatting import MEGABYTE, size_text
 from rostether.cli.bag.recording_files import create_folder
-from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, add_option, option_group
+from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, add_option, option
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end, task_beside
@@ -30,72 +29,61 @@ if TYPE_CHECKING:
 MAX_JOIN_RETRY_S = 1.0
 
 
-class BagRecording(Struct, frozen=True):
-    """The folder of the bags, their size, and how many to keep; None keeps all."""
+@dataclass(frozen=True, slots=True)
+class BagRecording:
+    """The folder of the bags, None without --record; their size, and how many to keep, None for all."""
 
-    folder: Path
-    size_mb: float
-    keep: int | None
-
-
-_OPTIONS = (
-    add_option("--record DIR", "Record all topics of the graph into bags in this folder.", type=PATH),
-    add_option(
+    folder: Path | None = option(
+        "--record DIR", "Record all topics of the graph into bags in this folder.", type=PATH
+    )
+    size_mb: float = option(
         "--record-size MB",
         "With --record: start a new bag at this size (default: 1000).",
         type=NumberRange(min=0.1),
         default=1000,
-    ),
-    add_option(
+    )
+    keep: int | None = option(
         "--record-keep COUNT",
         "With --record: keep only the newest COUNT bags of this run (default: all).",
         type=COUNT,
-    ),
-)
+    )
 
-
-def _bag_recording(
-    *, record: Path | None = None, record_size: float = 1000, record_keep: int | None = None
-) -> BagRecording | None:
-    """Return the options, None without --record; create the folder. Raises ConfigError."""
-    if record is None:
-        return None
-    if record.suffix in (".jsonl", ".json", ".bag", ".mcap") or record.is_file():
-        raise ConfigError(
-            f"--record {record}: give a folder, for bags of all topics; --record-line FILE records the bytes"
-            " on the boards' lines"
-        )
-    create_folder(record)
-    return BagRecording(record, record_size, record_keep)
-
-
-# Adds --record and its options; the verb gets a BagRecording, or None, as `bags`.
-bag_recording_options = option_group("bags", _bag_recording, _OPTIONS, heading="Recording")
+    def create_folder(self) -> None:
+        """Create the folder if it does not exist. Raises ConfigError."""
+        folder = self.folder
+        if folder is None:
+            return
+        if folder.suffix in (".jsonl", ".json", ".bag", ".mcap") or folder.is_file():
+            raise ConfigError(
+                f"--record {folder}: give a folder, for bags of all topics; --record-line FILE records the "
+                "bytes on the boards' lines"
+            )
+        create_folder(folder)
 
 
 @asynccontextmanager
 async def bags_recorded(
-    recording: BagRecording | None, join: JoinGraph, reporter: Reporter, *, types: Ros2Types | None = None
+    recording: BagRecording, join: JoinGraph, reporter: Reporter, *, types: Ros2Types | None = None
 ) -> AsyncIterator[None]:
     """Record until the end of the block; a failure is reported and stops only the recording.
 
     On ROS 2 alone, `types` are the types of the graph, and the recording is a ROS 2 bag.
     """
-    if recording is None:
+    if recording.folder is None:
         yield
         return
-    async with task_beside(_record(recording, join, reporter, types)):
+    async with task_beside(_record(recording.folder, recording, join, reporter, types)):
         yield
 
 
 async def _record(
-    recording: BagRecording, join: JoinGraph, reporter: Reporter, types: Ros2Types | None
+    folder: Path, recording: BagRecording, join: JoinGraph, reporter: Reporter, types: Ros2Types | None
 ) -> None:
     from rostether.recording.recorder import Recorder
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
     try:
-        create, name = _files(recording.folder, types)
+        create, name = _files(folder, types)
     except RecordingError as error:
         reporter.report(Level.ERROR, f"{error}; boards stay connected")
         return
@@ -117,9 +105,7 @@ async def _record(
             reporter.report(Level.ERROR, f"{error}; boards stay connected")
         finally:
             count, size = recorder.progress.message_count, size_text(recorder.size_bytes)
-            reporter.report(
-                Level.INFO, f"Recorded {counted(count, 'message')}, {size}, in {recording.folder}"
-            )
+            reporter.report(Level.INFO, f"Recorded {counted(count, 'message')}, {size}, in {folder}")
 
 
 def _files(

@@ -23,7 +23,6 @@ from rostether.cli.access.ros1_access import read_environment, type_store
 from rostether.cli.access.served_graphs import check_master, served_graphs
 from rostether.cli.bag.bridge_recording import (
     BagRecording,
-    bag_recording_options,
     bags_recorded,
     record_limit_option,
     recorded,
@@ -146,14 +145,14 @@ class ServeOptions:
 @graph_options(served=True)
 @dashboard_option
 @gateway_options
-@bag_recording_options
+@option_group("bags", BagRecording, heading="Recording")
 def serve(
     options: ServeOptions,
     addresses: tuple[str, ...],
     graph: GraphOptions,
     dashboard: str | None,
     gateways: GatewayOptions,
-    bags: BagRecording | None,
+    bags: BagRecording,
 ) -> int:
     """Connect boards with rosserial firmware to the ROS graph as nodes.
 
@@ -168,6 +167,7 @@ def serve(
     twice = next((address for address in addresses if addresses.count(address) > 1), None)
     if twice is not None:
         raise click.UsageError(f"{twice} is given twice; give each address once")
+    bags.create_folder()
     check_master(graph, options.master_port)
     environment = read_environment(graph, options.listen)
     settings, graph_limits = read_limits(options.limits)
@@ -209,7 +209,7 @@ class _Settings(Struct, frozen=True):
     discovers: bool
     gateways: GatewayOptions
     dashboard: DashboardSettings | None
-    bags: BagRecording | None
+    bags: BagRecording
     limits: BridgeSettings
 
 
