@@ -5,7 +5,6 @@ A parameter is a node and a name (`/board gain`), or both as one full name (`/bo
 
 from __future__ import annotations
 
-import re
 from array import array
 from collections.abc import Awaitable, Callable, Sequence
 from pathlib import Path
@@ -18,7 +17,7 @@ from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
 from rostether.cli.node.ros2_nodes import full_node_name
 from rostether.cli.param.options import GetOptions, ParamListing, SetOptions
-from rostether.cli.shell.output import warn, write_json, write_line
+from rostether.cli.shell.output import warn, write_json, write_line, write_result
 from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import is_hidden
@@ -33,7 +32,6 @@ T = TypeVar("T")
 
 # As in `ros2 param`: "boolean array", "not set".
 _TYPE_WORDS = {each: each.name.lower().replace("_", " ").replace("bool", "boolean") for each in ParameterType}
-_EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
 _LIST_SERVICE = "/list_parameters"
 
 
@@ -99,17 +97,14 @@ class Ros2Params:
                 await _find_node(tool, full_node_name(node))
                 nodes = [full_node_name(node)]
             else:
-                view = await tool.settled_snapshot()
-                nodes = [
-                    each for each in _nodes_with_parameters(view) if wanted.with_hidden or not is_hidden(each)
-                ]
+                nodes = _nodes_with_parameters(await tool.settled_snapshot())
+                nodes = [each for each in nodes if wanted.with_hidden or not is_hidden(each)]
             client = ParameterClient(tool.graph.raw)
             found: dict[str, dict[str, str]] = {}
             for each in nodes:
                 try:
-                    names = [
-                        name for name in sorted(await client.names(each)) if _is_below(name, wanted.prefixes)
-                    ]
+                    names = sorted(await client.names(each))
+                    names = [name for name in names if _is_below(name, wanted.prefixes)]
                     types = await _types(client, each, names) if wanted.with_types else {}
                 except (GraphError, SerializationError) as error:
                     warn(f"Exception while calling service of node '{each}': {error}")
@@ -118,14 +113,13 @@ class Ros2Params:
             return found
 
         for owner, names in (await asked(self._graph, ask)).items():
-            if wanted.as_json:
-                for name, kind in names.items():
-                    write_json({"node": owner, "name": name, **({"type": kind} if wanted.with_types else {})})
-                continue
-            if node is None:
+            if node is None and not wanted.as_json:
                 write_line(escape_line(f"{owner}:"))
             for name, kind in names.items():
-                write_line(escape_line(f"  {name} (type: {kind})" if wanted.with_types else f"  {name}"))
+                record, shown = {"node": owner, "name": name}, f"  {name}"
+                if wanted.with_types:
+                    record, shown = {**record, "type": kind}, f"{shown} (type: {kind})"
+                write_result(record, escape_line(shown), as_json=wanted.as_json)
 
     async def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
         """Print a parameter with its type. Raises UnknownNameError."""
@@ -134,17 +128,16 @@ class Ros2Params:
 
         async def ask(client: ParameterClient) -> TypedValue:
             found = (await client.get(node, [path])).get(path, NOT_SET)
-            if found == NOT_SET:
-                names = await client.names(node)
-                if path in names:
-                    raise UnknownNameError(
-                        f"Parameter not set: node {node} has declared {path} without a value; "
-                        "set it with `rostether param set`"
-                    )
-                hint = did_you_mean(path, names)
-                hint = hint or f"`rostether param list {node}` shows its parameters"
-                raise UnknownNameError(f"Parameter not set: node {node} has no parameter {path}; {hint}")
-            return found
+            if found != NOT_SET:
+                return found
+            names = await client.names(node)
+            if path in names:
+                raise UnknownNameError(
+                    f"Parameter not set: node {node} has declared {path} without a value; "
+                    "set it with `rostether param set`"
+                )
+            hint = did_you_mean(path, names) or f"`rostether param list {node}` shows its parameters"
+            raise UnknownNameError(f"Parameter not set: node {node} has no parameter {path}; {hint}")
 
         value = await _asked_of(self._graph, node, ask)
         if options.as_json:
@@ -172,11 +165,8 @@ class Ros2Params:
         values = {name: parse_value(name, text) for name, text in pairs}
         for name, value in values.items():
             await _set(self._graph, node, {name: value}, "Setting")
-            write_line(
-                escape_line(f"{name}: Set parameter successful")
-                if len(values) > 1
-                else "Set parameter successful"
-            )
+            done = "Set parameter successful"
+            write_line(escape_line(f"{name}: {done}") if len(values) > 1 else done)
 
     async def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
         """Delete a parameter. Raises GraphError with the node's reason."""
@@ -194,7 +184,8 @@ class Ros2Params:
             if as_json:
                 write_json({"node": owner, **to_plain(each)})
                 continue
-            lines = [f"Parameter name: {each.name}", f"  Type: {_type_word(each.type)}"]
+            kind = _TYPE_WORDS.get(each.type, _TYPE_WORDS[NOT_SET.type])
+            lines = [f"Parameter name: {each.name}", f"  Type: {kind}"]
             if each.description:
                 lines.append(f"  Description: {each.description}")
             lines.append("  Constraints:")
@@ -205,8 +196,7 @@ class Ros2Params:
                 lines += [f"    Step: {limits.step}"] if limits.step else []
             if each.additional_constraints:
                 lines.append(f"    Additional constraints: {each.additional_constraints}")
-            for line in lines:
-                write_line(escape_line(line))
+            write_line("\n".join(map(escape_line, lines)))
 
     async def dump(self, node: Path | None, namespace: str, /, *, verbose: bool) -> None:
         """Print all parameters of a node as a file for `--params-file` and `param load`."""
@@ -259,8 +249,7 @@ class Ros2Params:
                     warn(escape_line(f"Set parameter {name} failed: {error}"))
             return failed
 
-        failed = await _asked_of(self._graph, owner, ask)
-        if failed:
+        if failed := await _asked_of(self._graph, owner, ask):
             raise GraphError(f"{failed} of {len(values)} parameters could not be set")
 
 
@@ -268,10 +257,6 @@ async def _types(client: ParameterClient, node: str, names: list[str]) -> dict[s
     # Descriptions lack some types: rclpy describes no parameter that was never declared.
     values = await client.get(node, names) if names else {}
     return {name: _TYPE_WORDS[values.get(name, NOT_SET).type] for name in names}
-
-
-def _type_word(number: int) -> str:
-    return _TYPE_WORDS[ParameterType(number) if number in list(ParameterType) else NOT_SET.type]
 
 
 def _is_below(name: str, prefixes: Sequence[str]) -> bool:
@@ -292,11 +277,11 @@ def _shown(value: TypedValue) -> str:
 def parse_value(name: str, text: str) -> TypedValue:
     """Return the value of a text as in `ros2 param set`: a string, unless YAML reads another value."""
     from rostether.bounded_yaml import YamlError, load
+    from rostether.param_yaml import looks_like_number
 
     try:
         value = load(text)
-        # YAML 1.1 reads 1e-3 as a string.
-        if isinstance(value, str) and _EXPONENT.fullmatch(value):
+        if looks_like_number(value):
             value = float(value)
         if isinstance(value, bool | int | float | list):
             return typed_value(name, value)
@@ -308,7 +293,7 @@ def parse_value(name: str, text: str) -> TypedValue:
 async def _set(graph: GraphOptions, node: str, values: dict[str, TypedValue], verb: str) -> None:
     try:
         await _asked_of(graph, node, lambda client: client.set(node, values))
+    except UnknownNameError:
+        raise
     except GraphError as error:
-        if isinstance(error, UnknownNameError):
-            raise
         raise GraphError(f"{verb} parameter failed: {error}") from None
