@@ -127,10 +127,9 @@ async def _plot_ros2(
 
         async def follow_one(name: str) -> None:
             chosen = await choose_ros2_topic(tool, name)
-            path = None if chosen.field is None else chosen.field.path
             session.add_type(chosen.topic, tool.registry, tool.graph.store.codec(chosen.type))
             async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
                 async for message in messages:
-                    session.add_message(name, message, path)
+                    session.add_message(name, message, chosen.path)
 
         await session.run(follow, targets)

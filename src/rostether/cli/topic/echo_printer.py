@@ -24,6 +24,8 @@ class EchoPrinter(ABC):
         self.options = options
         self.received_count = 0
         self.shown_count = 0
+        # The field to print, None for whole messages.
+        self.path: FieldPath | None = None
         self._topic = topic
         self._filter = options.compiled_filter()
         self._reported_problem = ""
@@ -33,13 +35,13 @@ class EchoPrinter(ABC):
         """Whether as many messages as wanted have been printed."""
         return self.options.wanted_count is not None and self.shown_count >= self.options.wanted_count
 
-    def print_field(self, message: Any, path: FieldPath | None) -> None:
-        """Print the field at a path, or the whole message for None, unless the filter omits the message."""
+    def print_message(self, message: Any) -> None:
+        """Print a message, or its field at `path`, unless the filter omits the message."""
         self.received_count += 1
         if self._filter is not None and not self._filter(message, self._topic):
             return
         try:
-            value = message if path is None else path.read(message)
+            value = message if self.path is None else self.path.read(message)
         except SerializationError as error:
             if str(error) != self._reported_problem:
                 self._reported_problem = str(error)

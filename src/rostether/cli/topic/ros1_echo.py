@@ -24,7 +24,6 @@ from rostether.rostime import Time
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.codec import Codec
-    from rostether.serde.field_path import FieldPath
 
 # As in rostopic. A simulator publishes immediately.
 SILENCE_WARNING_S = 2.0
@@ -57,7 +56,6 @@ class Ros1Printer(EchoPrinter):
         self._now = Time()
         self._field = field
         self._codec: Codec | None = None
-        self._path: FieldPath | None = None
 
     def show(self, message: Any, codec: Codec, now: Time) -> None:
         """Print a message, unless the filter omits it. Raises ConfigError for a field that its type lacks."""
@@ -65,8 +63,8 @@ class Ros1Printer(EchoPrinter):
         if self._field and codec is not self._codec:
             from rostether.serde.field_path import FieldPath
 
-            self._codec, self._path = codec, FieldPath(codec, self._field)
-        self.print_field(message, self._path)
+            self._codec, self.path = codec, FieldPath(codec, self._field)
+        self.print_message(message)
 
     def write_text(self, value: Any) -> None:
         """Print a message or a field of it."""
@@ -81,10 +79,10 @@ class Ros1Printer(EchoPrinter):
             return
         from rostether.serde.yaml_print import format_message, format_value
 
-        if self._path is None:
+        if self.path is None:
             text = format_message(value, style)
         else:
-            text = format_value(value, self._path.type, style)
+            text = format_value(value, self.path.type, style)
         write_line(f"{text}\n---", paint_keys)
 
     def _style(self, time_offset: Time | None) -> Any:

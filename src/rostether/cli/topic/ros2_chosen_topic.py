@@ -25,19 +25,13 @@ if TYPE_CHECKING:
 POLL_S = 0.1
 
 
-class ChosenField(Struct, frozen=True):
-    """A field of a topic's messages, and its type."""
-
-    path: FieldPath
-    type: Ros2Type
-
-
 class ChosenRos2Topic(Struct, frozen=True):
-    """A topic, the short name of its type, and the chosen field, None for the whole message."""
+    """A topic, the short name of its type, and the chosen field with its type, None for the whole message."""
 
     topic: str
     type: str
-    field: ChosenField | None = None
+    path: FieldPath | None = None
+    field_type: Ros2Type | None = None
 
 
 async def choose_ros2_topic(
@@ -90,9 +84,7 @@ def _with_field(tool: ToolNode, topic: str, type_name: str, field: str) -> Chose
     if not field:
         return ChosenRos2Topic(topic, type_name)
     path = FieldPath(codec, field.replace(".", "/"))
-    return ChosenRos2Topic(
-        topic, type_name, ChosenField(path, field_type(tool.registry, type_name, path.text))
-    )
+    return ChosenRos2Topic(topic, type_name, path, field_type(tool.registry, type_name, path.text))
 
 
 def field_type(registry: NativeRegistry, type_name: str, path: str) -> Ros2Type:

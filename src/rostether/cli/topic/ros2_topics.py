@@ -54,7 +54,7 @@ class Ros2Topics(Ros2TopicListing):
                     printer = _Printer(tool, chosen, options)
                     async with shown_messages(tool.graph.messages(chosen.topic, chosen.type)) as messages:
                         async for message in messages:
-                            printer.show(message)
+                            printer.print_message(message)
                             count = printer.shown_count
                             if printer.is_done:
                                 return
@@ -134,37 +134,30 @@ async def _wait_for_subscribers(publisher: TypedPublisher[...], times: int, opti
         await asyncio.sleep(MATCH_POLL_S)
 
 
-def _style(options: EchoOptions) -> TextStyle:
-    length = DEFAULT_TRUNCATE_LENGTH if options.truncate_length is None else options.truncate_length
-    return TextStyle(
-        None if options.full_length else length, options.noarr, options.nostr, options.flow_style
-    )
-
-
 class _Printer(EchoPrinter):
     """Prints messages as `ros2 topic echo` does."""
 
     def __init__(self, tool: ToolNode, chosen: ChosenRos2Topic, options: EchoOptions) -> None:
         super().__init__(chosen.topic, options)
+        self.path = chosen.path
         self._chosen = chosen
-        self._text = MessageText(tool.registry.ros2_message, _style(options))
         self._lookup = tool.registry.ros2_message
-
-    def show(self, message: Any) -> None:
-        """Print a message, unless the filter omits it."""
-        field = self._chosen.field
-        self.print_field(message, None if field is None else field.path)
+        length = DEFAULT_TRUNCATE_LENGTH if options.truncate_length is None else options.truncate_length
+        style = TextStyle(
+            None if options.full_length else length, options.noarr, options.nostr, options.flow_style
+        )
+        self._text = MessageText(self._lookup, style)
 
     def write_text(self, value: Any) -> None:
         """Print a message or a field of it."""
         from rostether.serde.values import Message
 
-        field = self._chosen.field
+        shown_type = self._chosen.field_type
         if not isinstance(value, Message):
-            assert field is not None
-            write_line(f"{self._text.python_value(value, field.type)}\n---", paint_keys)
+            assert shown_type is not None
+            write_line(f"{self._text.python_value(value, shown_type)}\n---", paint_keys)
             return
-        definition = self._lookup(self._chosen.type if field is None else field.type.base)
+        definition = self._lookup(self._chosen.type if shown_type is None else shown_type.base)
         if self.options.csv:
             write_line(self._text.csv(value, definition))
         else:
