@@ -85,7 +85,10 @@ class Doctor:
         if address.listens:
             return await self._examine_listener(address)
         if isinstance(address, SerialAddress):
-            return await self._examine_serial(address)
+            try:
+                return await self._examine_serial(address)
+            except RostetherError as failure:
+                return Diagnosis(str(address), (open_error_finding(failure),), baud=address.baud)
         try:
             transport = await self._open(address)
         except TransportError as failure:
@@ -99,33 +102,27 @@ class Doctor:
         baud = None if is_pseudo_terminal(address.path) else address.baud
         at = f" at {baud} baud" if baud else ""
         self._report_step(f"listening to {address}{at} ...")
-        try:
-            watched = await self._watch(await self._open(address), baud, address.pauses)
-        except RostetherError as failure:
-            return Diagnosis(str(address), (open_error_finding(failure),), baud=address.baud)
+        watched = await self._watch(await self._open(address), baud, address.pauses)
         if baud is None or not _needs_search(watched):
             return self._diagnosis(address, watched, baud)
         return await self._search(address, watched)
 
     async def _search(self, address: SerialAddress, watched: BoardObservations) -> Diagnosis:
         """Try other baud rates, after no valid data arrived at the address's baud rate."""
+        self._report_step("trying other baud rates, for up to half a minute ...")
+        # DTR stays as it is from here on, so that the board is not reset each time.
+        transport = await self._open(replace(address, reset=False))
         try:
-            self._report_step("trying other baud rates, for up to half a minute ...")
-            # DTR stays as it is from here on, so that the board is not reset each time.
-            transport = await self._open(replace(address, reset=False))
-            try:
-                found = await probe_port(cast("TunableTransport", transport))
-            finally:
-                transport.close()
-                await transport.wait_closed()
-            if isinstance(found, NoBoard):
-                findings = (_judge_search(address, watched, found), *watched.findings[1:])
-                return replace(self._diagnosis(address, watched, address.baud), findings=findings)
-            self._report_step(f"a board answers at {found.baud} baud; watching it ...")
-            right = replace(address, baud=found.baud, reset=False)
-            again = await self._watch(await self._open(right), right.baud)
-        except TransportError as failure:
-            return Diagnosis(str(address), (open_error_finding(failure),), baud=address.baud)
+            found = await probe_port(cast("TunableTransport", transport))
+        finally:
+            transport.close()
+            await transport.wait_closed()
+        if isinstance(found, NoBoard):
+            findings = (_judge_search(address, watched, found), *watched.findings[1:])
+            return replace(self._diagnosis(address, watched, address.baud), findings=findings)
+        self._report_step(f"a board answers at {found.baud} baud; watching it ...")
+        right = replace(address, baud=found.baud, reset=False)
+        again = await self._watch(await self._open(right), right.baud)
         if found.baud == address.baud:
             # The board was in its bootloader, or disconnected, during the first check.
             return self._diagnosis(right, again, right.baud)
