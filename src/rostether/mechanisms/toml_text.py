@@ -18,14 +18,12 @@ MAX_KEY_PARTS = 32
 
 
 def read_toml_text(path: Path) -> str:
-    """Return the text of a file. Raises ConfigError, and FileNotFoundError for a missing file."""
+    """Return the text of a file. Raises ConfigError."""
     try:
         with path.open("rb") as file:
             data = file.read(MAX_FILE_BYTES + 1)
-    except FileNotFoundError:
-        raise
     except OSError as error:
-        raise ConfigError(read_failure(path, error)) from None
+        raise ConfigError(read_failure(path, error)) from error
     if len(data) > MAX_FILE_BYTES:
         raise ConfigError(f"{path}: longer than {MAX_FILE_BYTES} bytes; check that it is the right file")
     try:

@@ -13,7 +13,6 @@ import msgspec
 
 from rostether.errors import ConfigError, InvalidNameError
 from rostether.mechanisms.state_file import load_state, store_state
-from rostether.mechanisms.text import read_failure
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registration import MAX_TEXT_CHARACTERS
@@ -32,10 +31,7 @@ def read_sensors_toml(path: Path) -> list[Sensor]:
 
     "/arm/ultrasound" = { name = "Distance", unit = "m" }
     """
-    try:
-        content = parse_toml(read_toml_text(path), str(path))
-    except FileNotFoundError as error:
-        raise ConfigError(read_failure(path, error)) from None
+    content = parse_toml(read_toml_text(path), str(path))
     if len(content) > MAX_SENSORS:
         raise ConfigError(f"{path}: at most {MAX_SENSORS} sensors are allowed, not {len(content)}")
     return [_sensor(path, topic, entry) for topic, entry in content.items()]

@@ -38,12 +38,13 @@ ACCESS_KEYS = Access.__struct_fields__
 def read_devices_toml(path: Path, *, is_required: bool = False) -> DeviceBook:
     """Read a file; a missing file counts as empty unless `is_required`. Raises ConfigError."""
     try:
-        text = read_toml_text(path)
-    except FileNotFoundError:
+        return parse_devices_toml(read_toml_text(path), file=str(path))
+    except ConfigError as error:
+        if not isinstance(error.__cause__, FileNotFoundError):
+            raise
         if is_required:
             raise ConfigError(f"{path}: no such file; create it, or omit --config") from None
-        return DeviceBook()
-    return parse_devices_toml(text, file=str(path))
+    return DeviceBook()
 
 
 def parse_devices_toml(text: str, *, file: str = "devices.toml") -> DeviceBook:

@@ -28,7 +28,12 @@ def test_hostile_texts_are_refused_at_once(text: str, reason: str) -> None:
 def test_files_without_end_and_other_texts_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(b"x" * (MAX_FILE_BYTES + 1))
     (tmp_path / "b").write_bytes(b"\xff")
-    for name, reason in (("a", "longer than"), ("b", "not UTF-8 text at byte 0"), (".", "cannot read")):
+    for name, reason in (
+        ("a", "longer than"),
+        ("b", "not UTF-8 text at byte 0"),
+        (".", "cannot read"),
+        ("c", "No such file or directory; check the path"),
+    ):
         with pytest.raises(ConfigError, match=reason):
             read_toml_text(tmp_path / name)
 

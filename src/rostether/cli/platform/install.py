@@ -213,15 +213,16 @@ def _has_group(name: str) -> bool:
 
 def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
     from rostether.cli.platform.robot_check import check_robot, parse_robot
-    from rostether.platform.boot.robot_file import Machine, MachineKind, read_robot_text
+    from rostether.mechanisms.toml_text import read_toml_text
+    from rostether.platform.boot.robot_file import Machine, MachineKind
 
     if (given := answers.given) is not None:
-        text = read_robot_text(given)
+        text = read_toml_text(given)
         check_robot(parse_robot(text, str(given)), str(given))
         return text
     kept = path_below(root, file)
     if answers == Answers() and kept.exists():
-        text = read_robot_text(kept)
+        text = read_toml_text(kept)
         parse_robot(text, str(kept))
         return text
     kind = MachineKind(answers.machine or _ask("What is this machine", "both", _KINDS))

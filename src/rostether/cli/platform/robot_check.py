@@ -20,9 +20,9 @@ _NOT_PARTS = ("up", "install", "uninstall")
 
 def read_robot(path: Path) -> RobotFile:
     """Return the content of a robot.toml, without checking the arguments of its parts. Raises ConfigError."""
-    from rostether.platform.boot.robot_file import read_robot_text
+    from rostether.mechanisms.toml_text import read_toml_text
 
-    return parse_robot(read_robot_text(path), str(path))
+    return parse_robot(read_toml_text(path), str(path))
 
 
 def parse_robot(text: str, file: str) -> RobotFile:

@@ -8,13 +8,10 @@ import re
 import shlex
 from collections.abc import Collection, Mapping, Sequence
 from enum import Enum
-from pathlib import Path
 
 from msgspec import Struct, field
 
-from rostether.errors import ConfigError
-from rostether.mechanisms.text import read_failure
-from rostether.mechanisms.toml_text import parse_toml, read_toml_text
+from rostether.mechanisms.toml_text import parse_toml
 from rostether.ports.toml_table import TomlTable
 
 # More programs than a robot's computer runs; each is a process.
@@ -46,14 +43,6 @@ class RobotFile(Struct, frozen=True):
     name: str = ""
     environment: Mapping[str, str] = field(default_factory=dict)
     parts: tuple[Part, ...] = ()
-
-
-def read_robot_text(path: Path) -> str:
-    """Return the text of a robot.toml. Raises ConfigError."""
-    try:
-        return read_toml_text(path)
-    except FileNotFoundError as error:
-        raise ConfigError(read_failure(path, error)) from None
 
 
 def parse_robot_file(text: str, file: str, commands: Collection[str]) -> RobotFile:

@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
 from rostether.errors import ConfigError
@@ -11,7 +9,6 @@ from rostether.platform.boot.robot_file import (
     Part,
     RobotFile,
     parse_robot_file,
-    read_robot_text,
 )
 
 COMMANDS = {"serve", "core", "role", "dashboard"}
@@ -77,11 +74,6 @@ def test_what_is_wrong_is_named_in_one_line(text: str, reason: str) -> None:
     with pytest.raises(ConfigError, match=reason) as error:
         parse(text)
     assert "\n" not in str(error.value)
-
-
-def test_a_missing_file() -> None:
-    with pytest.raises(ConfigError, match="No such file or directory; check the path"):
-        read_robot_text(Path("/nowhere/robot.toml"))
 
 
 @pytest.mark.parametrize("kind", MachineKind)
