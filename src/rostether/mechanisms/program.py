@@ -63,6 +63,19 @@ async def _end(starting: asyncio.Future[asyncio.subprocess.Process]) -> None:
     await process.communicate()
 
 
+async def wait_or_kill(process: asyncio.subprocess.Process, limit_s: float) -> None:
+    """Wait until a process has ended; kill it after `limit_s`, or if the caller is canceled."""
+    try:
+        async with asyncio.timeout(limit_s):
+            await process.wait()
+    except TimeoutError:
+        pass
+    finally:
+        with suppress(ProcessLookupError):
+            process.kill()
+        await process.wait()
+
+
 def signal_group(process: asyncio.subprocess.Process, number: signal.Signals) -> None:
     """Signal a process that was started with `start_new_session`, and its children."""
     with suppress(ProcessLookupError):

@@ -17,6 +17,7 @@ from typing import Self
 
 from rostether.errors import BoardError
 from rostether.mechanisms.block_end import BlockClosable
+from rostether.mechanisms.program import wait_or_kill
 from rostether.transports.pty_link import PtyLink
 
 PROGRAM = "qemu-system-arm"
@@ -190,10 +191,4 @@ async def _end(process: asyncio.subprocess.Process) -> None:
         process.stdin.close()
     with contextlib.suppress(ProcessLookupError):
         process.terminate()
-    try:
-        async with asyncio.timeout(END_LIMIT_S):
-            await process.wait()
-    except TimeoutError:
-        with contextlib.suppress(ProcessLookupError):
-            process.kill()
-        await process.wait()
+    await wait_or_kill(process, END_LIMIT_S)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from children import is_running
-from rostether.mechanisms.program import run_program
+from rostether.mechanisms.program import run_program, wait_or_kill
 
 
 async def test_output_input_and_exit_code() -> None:
@@ -49,3 +49,20 @@ async def test_cancelling_while_it_starts(tmp_path: Path) -> None:
     task.cancel()
     with pytest.raises(asyncio.CancelledError):
         await task
+
+
+@pytest.mark.parametrize(("script", "code"), [("exit 3", 3), ("exec sleep 600", -9)])
+async def test_a_program_that_does_not_end_is_killed(script: str, code: int) -> None:
+    process = await asyncio.create_subprocess_exec("sh", "-c", script)
+    await wait_or_kill(process, 600 if code > 0 else 0.1)
+    assert process.returncode == code
+
+
+async def test_cancelling_the_wait_for_a_program_kills_it() -> None:
+    process = await asyncio.create_subprocess_exec("sleep", "600")
+    waiting = asyncio.create_task(wait_or_kill(process, 600))
+    await asyncio.sleep(0)
+    waiting.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await waiting
+    assert process.returncode == -9

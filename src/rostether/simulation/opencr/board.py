@@ -21,6 +21,7 @@ from typing import NamedTuple, Self
 
 from rostether.errors import BoardError, ConfigError
 from rostether.mechanisms.block_end import BlockClosable
+from rostether.mechanisms.program import wait_or_kill
 from rostether.simulation.opencr.drive_base import DriveBase
 from rostether.simulation.opencr.pins import pin_name, pin_number
 from rostether.simulation.simavr.board_events import BoardEvent
@@ -194,13 +195,8 @@ class OpenCrBoard(BlockClosable):
                 self._loop.remove_reader(line)
                 line.close()
         # The program ends when its pins are closed; one that hangs does not.
-        try:
-            async with asyncio.timeout(END_LIMIT_S):
-                await asyncio.shield(self._ending)
-        except TimeoutError:
-            with contextlib.suppress(ProcessLookupError):
-                self._process.kill()
-            await self._ending
+        await wait_or_kill(self._process, END_LIMIT_S)
+        await self._ending
 
     def _read_lines(self, name: str, receive: Callable[[bytes], None]) -> None:
         line = self._lines[name]

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Self, TypeVar
 
 from rostether.errors import BoardError
+from rostether.mechanisms.program import wait_or_kill
 from rostether.simulation.simavr.board_events import BoardEvent, parse_event
 
 T = TypeVar("T")
@@ -119,19 +120,10 @@ class RunnerProcess:
         assert process.stdin is not None
         process.stdin.close()
         try:
-            async with asyncio.timeout(END_LIMIT_S):
-                if self._reading is not None:
-                    await asyncio.shield(self._reading)
-                await process.wait()
-        except (TimeoutError, asyncio.CancelledError) as error:
-            with contextlib.suppress(ProcessLookupError):
-                process.kill()
-            if isinstance(error, asyncio.CancelledError):
-                raise
+            await wait_or_kill(process, END_LIMIT_S)
         finally:
             if self._reading is not None:
                 await asyncio.gather(self._reading, return_exceptions=True)
-            await process.wait()
             with contextlib.suppress(ConnectionError):
                 await process.stdin.wait_closed()
 
