@@ -1,12 +1,12 @@
 from __future__ import annotations
 
+import pytest
+
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.mechanisms.block_end import task_beside
 from rostether.robot.static_transforms import StaticTransform, publish_static_transform
-from rostether.robot.tf_buffer import TransformBuffer
-from rostether.robot.tf_listener import TfListener, tf_listener
-from rostether.robot.tf_messages import TF_TYPE, from_message, tf_publisher, to_message
 from rostether.robot.tf_statistics import TfStatistics
+from rostether.robot.tf_topics import TF_TYPE, TfListener, from_message, tf_listener, tf_publisher, to_message
 from rostether.robot.transform import StampedTransform, Transform
 from rostether.rostime import Time
 from unit.robot.graphs import entered
@@ -60,24 +60,18 @@ async def test_a_static_transform_with_a_period_is_published_repeatedly() -> Non
         await robot.close()
 
 
-async def test_a_jump_back_in_time_clears_the_buffer() -> None:
+async def test_a_jump_back_in_time_clears_the_buffer(monkeypatch: pytest.MonkeyPatch) -> None:
     refusals: list[str] = []
-
-    class Clock:
-        now_ns = 200 * SECOND
-
-        def now(self) -> Time:
-            return Time.from_ns(self.now_ns)
-
-    clock = Clock()
+    now_ns = 200 * SECOND
     async with entered(MemoryNetwork(), "/n") as node:
+        monkeypatch.setattr(node, "now", lambda: Time.from_ns(now_ns))
         codec = node.store.codec(TF_TYPE)
-        listener = TfListener(TransformBuffer(), refusals.append)
-        handle = listener.batch_handler(clock, codec, "/robot", is_static=False)  # type: ignore[arg-type]
+        listener = TfListener(node, refusals.append)
+        handle = listener.handler(False, {"callerid": "/robot"})
         handle([codec.encode(to_message([STEP])), b"noise"])
         assert listener.buffer.children == ["base"]
         assert len(refusals) == 1
-        clock.now_ns = 5 * SECOND
+        now_ns = 5 * SECOND
         handle([codec.encode(to_message([]))])
     assert listener.buffer.children == []
     assert "jump back in time" in refusals[1]
