@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from rostether.errors import ConfigError
-from rostether.gateways.websocket.site import INDEX, Downloads, Site, Tiles
+from rostether.gateways.websocket.site import INDEX, FindFile, Site, Tiles
 
 PAGE = Path(__file__).parent / "page"
 
@@ -47,7 +47,7 @@ _PAGE = """<!doctype html>
 
 
 def load_page(
-    more: Mapping[str, bytes], downloads: Downloads | None = None, tiles: Tiles | None = None
+    more: Mapping[str, bytes], find_download: FindFile | None = None, tiles: Tiles | None = None
 ) -> Site:
     """Return the page, and more files; reads and compresses all of them. Raises ConfigError."""
     try:
@@ -60,7 +60,7 @@ def load_page(
         ) from None
     if INDEX not in files:
         raise ConfigError(f"the page in {PAGE} is incomplete: {INDEX} is missing; install rostether again")
-    return Site(files | dict(more), downloads, tiles)
+    return Site(files | dict(more), find_download, tiles)
 
 
 def authority_files(authority: Path, host: str) -> dict[str, bytes]:

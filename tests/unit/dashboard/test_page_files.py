@@ -16,7 +16,7 @@ def test_the_installed_page_is_whole() -> None:
         if file.is_file():
             path = f"/{file.relative_to(PAGE).as_posix()}"
             assert site.reply("GET", path, Headers()).body == file.read_bytes()
-    assert site.reply("GET", "/", Headers()).status == HTTPStatus.OK
+    assert site.reply("GET", "/", Headers()).status_code == HTTPStatus.OK
 
 
 def test_a_page_without_an_index_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

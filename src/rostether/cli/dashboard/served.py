@@ -25,7 +25,6 @@ from rostether.cli.gateway.gateways import Report, joined_as, report_reach
 from rostether.cli.gateway.node import NodeNaming
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, Encryption, read_encryption, read_listen_address
 from rostether.cli.shell.output import write_line
-from rostether.dashboard.page_files import PAGE_FILE, authority_files
 from rostether.errors import TransportOpenError
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
@@ -103,6 +102,7 @@ async def _served_at(
     report: Report,
 ) -> AsyncIterator[Dashboard]:
     from rostether.dashboard.map_tiles import MapTiles
+    from rostether.dashboard.page_files import PAGE_FILE
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.dashboard_parts import DashboardParts
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
@@ -207,12 +207,12 @@ def _map_metadata(tiles: MapTiles | None) -> dict[str, str]:
 def _load_site(
     encryption: Encryption, recordings: Recordings, tiles: MapTiles | None, views: Sequence[View]
 ) -> Site:
-    from rostether.dashboard.page_files import load_page
+    from rostether.dashboard.page_files import authority_files, load_page
 
     more = {name: content for view in views for name, content in view.files.items()}
     if encryption.authority is not None:
         more |= authority_files(encryption.authority, socket.gethostname())
-    return load_page(more, recordings, tiles)
+    return load_page(more, recordings.find, tiles)
 
 
 def _free_port(host: str, wanted: int) -> int:

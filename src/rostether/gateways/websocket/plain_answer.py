@@ -10,7 +10,7 @@ from http import HTTPStatus
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from rostether.gateways.websocket.site import Reply, Site, refusal
+from rostether.gateways.websocket.site import Site, refusal
 
 # Longer than any HTTP method.
 MAX_METHOD_BYTES = 16
@@ -52,20 +52,20 @@ class PlainAnswer:
         """Send a file of the site, or the reason why it is refused."""
         method = request_method(request)
         if refused is not None:
-            self.send(_response(refusal(HTTPStatus.FORBIDDEN, refused)), _FILE_S)
+            self.send(refusal(HTTPStatus.FORBIDDEN, refused), _FILE_S)
         elif site.is_download(method, request.path):
             self._set_limit(_FILE_S)
             self._download = asyncio.ensure_future(self._send_download(site, request.path))
         else:
-            self.send(_response(site.reply(method, request.path, request.headers)), _FILE_S)
+            self.send(site.reply(method, request.path, request.headers), _FILE_S)
 
     def refuse_malformed(self, site: Site, method: bytes, limit_s: float) -> None:
         """Refuse a request that the library cannot parse, such as one with a body."""
         if method in (b"GET", b"HEAD"):
-            reply = refusal(HTTPStatus.BAD_REQUEST, "send a GET request without a body")
+            response = refusal(HTTPStatus.BAD_REQUEST, "send a GET request without a body")
         else:
-            reply = site.reply(method.decode(), "/", Headers())
-        self.send(_response(reply), limit_s)
+            response = site.reply(method.decode(), "/", Headers())
+        self.send(response, limit_s)
 
     def cancel(self) -> None:
         """Stop a download."""
@@ -110,21 +110,13 @@ def end_sending(transport: asyncio.Transport) -> None:
         transport.close()
 
 
-def _response(reply: Reply) -> Response:
-    headers = Headers(reply.headers)
-    if reply.status is not HTTPStatus.NOT_MODIFIED:
-        headers["Content-Length"] = str(reply.length)
-    headers["Connection"] = "close"
-    return Response(reply.status.value, reply.status.phrase, headers, reply.body)
-
-
 async def _download_chunks(site: Site, path: str) -> AsyncGenerator[bytes, None]:
     """Yield the response to the request of a download: its header, then its file in chunks."""
-    reply, file = await asyncio.to_thread(site.open_download, path)
+    response, file = await asyncio.to_thread(site.open_download, path)
     if file is None:
-        yield _response(reply).serialize()
+        yield response.serialize()
         return
     with file:
-        yield _response(reply).serialize()
+        yield response.serialize()
         while chunk := await asyncio.to_thread(file.read, _CHUNK_BYTES):
             yield chunk

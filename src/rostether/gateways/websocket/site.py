@@ -12,14 +12,15 @@ import io
 import mimetypes
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from http import HTTPStatus
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import BinaryIO, Protocol, TypeAlias
 from urllib.parse import quote, unquote
 
 from msgspec import Struct
 from websockets.datastructures import Headers
+from websockets.http11 import Response
 
 INDEX = "index.html"
 _DOWNLOADS = "/recordings/"
@@ -42,6 +43,8 @@ _ALWAYS = (
     ("Cache-Control", "no-cache"),
     ("Cross-Origin-Resource-Policy", "same-origin"),
 )
+_VARY = ("Vary", "Accept-Encoding")
+
 # The system's table of types may lack these or name them differently.
 _TYPES = {
     ".js": "text/javascript; charset=utf-8",
@@ -56,18 +59,6 @@ _TYPES = {
     ".wasm": "application/wasm",
     ".woff2": "font/woff2",
 }
-
-
-class Reply(Struct, frozen=True):
-    """The response to a plain request.
-
-    `length` is the size of the whole body. A response to HEAD has no body, and a download sends it later.
-    """
-
-    status: HTTPStatus
-    headers: tuple[tuple[str, str], ...]
-    body: bytes
-    length: int
 
 
 class _SiteFile(Struct, frozen=True):
@@ -91,11 +82,8 @@ class _SiteFile(Struct, frozen=True):
         )
 
 
-class Downloads(Protocol):
-    """Files that are too large for memory; they need the token."""
-
-    def find(self, name: str) -> Path | None:
-        """Return the file with this name, None if there is none; may read a folder."""
+# Finds a file by its name, None if there is none; may read a folder.
+FindFile: TypeAlias = Callable[[str], Path | None]
 
 
 class Tiles(Protocol):
@@ -110,12 +98,15 @@ class Tiles(Protocol):
 
 
 class Site:
-    """A fixed set of files by their paths without the leading slash; `/` is `index.html`."""
+    """A fixed set of files by their paths without the leading slash; `/` is `index.html`.
+
+    `find_download` finds files that are too large for memory; they need the token.
+    """
 
     def __init__(
-        self, files: Mapping[str, bytes], downloads: Downloads | None = None, tiles: Tiles | None = None
+        self, files: Mapping[str, bytes], find_download: FindFile | None = None, tiles: Tiles | None = None
     ) -> None:
-        self._downloads = downloads
+        self._find_download = find_download
         self._tiles = tiles
         self._files = {f"/{name}": _SiteFile.of(name, content) for name, content in files.items()}
         if index := self._files.get(f"/{INDEX}"):
@@ -126,18 +117,18 @@ class Site:
         if method != "GET":
             return False
         is_tile = self._tiles is not None and path.startswith(TILES)
-        return is_tile or (self._downloads is not None and path.startswith(_DOWNLOADS))
+        return is_tile or (self._find_download is not None and path.startswith(_DOWNLOADS))
 
-    def open_download(self, path: str) -> tuple[Reply, BinaryIO | None]:
+    def open_download(self, path: str) -> tuple[Response, BinaryIO | None]:
         """Return the header of the response, and the open file that follows it if there is one.
 
         Reads the disk.
         """
         if path.startswith(TILES):
             return self._open_tile(path)
-        assert self._downloads is not None
+        assert self._find_download is not None
         name = unquote(path.removeprefix(_DOWNLOADS).partition("?")[0])
-        found = self._downloads.find(name)
+        found = self._find_download(name)
         try:
             opened = found.open("rb") if found is not None else None
         except OSError:
@@ -146,23 +137,22 @@ class Site:
             return refusal(HTTPStatus.NOT_FOUND, "there is no such recording; reload the list"), None
         size = os.fstat(opened.fileno()).st_size
         headers = (
-            *_ALWAYS,
             ("Content-Type", "application/octet-stream"),
             # RFC 8187: the form for names with any character.
             ("Content-Disposition", f"attachment; filename*=UTF-8''{quote(name, safe='')}"),
         )
-        return Reply(HTTPStatus.OK, headers, b"", size), opened
+        return _response(HTTPStatus.OK, headers, length=size), opened
 
-    def _open_tile(self, path: str) -> tuple[Reply, BinaryIO | None]:
+    def _open_tile(self, path: str) -> tuple[Response, BinaryIO | None]:
         assert self._tiles is not None
         tile_path = _TILE.fullmatch(path.partition("?")[0])
         tile = self._tiles.read(*map(int, tile_path.groups())) if tile_path else None
         if tile is None:
             return refusal(HTTPStatus.NOT_FOUND, "the map has no such tile"), None
-        headers = (*_ALWAYS, ("Content-Type", self._tiles.content_type))
-        return Reply(HTTPStatus.OK, headers, b"", len(tile)), io.BytesIO(tile)
+        headers = (("Content-Type", self._tiles.content_type),)
+        return _response(HTTPStatus.OK, headers, length=len(tile)), io.BytesIO(tile)
 
-    def reply(self, method: str, path: str, headers: Headers) -> Reply:
+    def reply(self, method: str, path: str, headers: Headers) -> Response:
         """Return the response to a plain request."""
         if method not in ("GET", "HEAD"):
             return refusal(
@@ -171,22 +161,32 @@ class Site:
         file = self._files.get(path.partition("?")[0])
         if file is None:
             return refusal(HTTPStatus.NOT_FOUND, "no such file; the page is at /", is_head=method == "HEAD")
-        common = (*_ALWAYS, ("Vary", "Accept-Encoding"))
         body, tag = file.content, f'"{file.tag}"'
         encoding: tuple[tuple[str, str], ...] = ()
         if file.compressed is not None and _accepts_gzip(headers.get_all("Accept-Encoding")):
             body, encoding, tag = file.compressed, (("Content-Encoding", "gzip"),), f'"{file.tag}-gzip"'
         if _has_tag(headers.get_all("If-None-Match"), tag):
-            return Reply(HTTPStatus.NOT_MODIFIED, (*common, ("ETag", tag)), b"", 0)
-        described = (("ETag", tag), ("Content-Type", file.content_type), *encoding)
-        return Reply(HTTPStatus.OK, (*common, *described), b"" if method == "HEAD" else body, len(body))
+            return _response(HTTPStatus.NOT_MODIFIED, (_VARY, ("ETag", tag)))
+        described = (_VARY, ("ETag", tag), ("Content-Type", file.content_type), *encoding)
+        return _response(HTTPStatus.OK, described, b"" if method == "HEAD" else body, length=len(body))
 
 
-def refusal(status: HTTPStatus, text: str, *more: tuple[str, str], is_head: bool = False) -> Reply:
+def refusal(status: HTTPStatus, text: str, *more: tuple[str, str], is_head: bool = False) -> Response:
     """Return a response with one line of text that explains why there is no file."""
     body = f"{text}\n".encode("utf-8", "replace")
-    headers = (*_ALWAYS, ("Content-Type", "text/plain; charset=utf-8"), *more)
-    return Reply(status, headers, b"" if is_head else body, len(body))
+    headers = (("Content-Type", "text/plain; charset=utf-8"), *more)
+    return _response(status, headers, b"" if is_head else body, length=len(body))
+
+
+def _response(
+    status: HTTPStatus, headers: Iterable[tuple[str, str]], body: bytes = b"", *, length: int = 0
+) -> Response:
+    """Return a response; `length` is the size of the whole body, which may be sent later, or never."""
+    described = Headers([*_ALWAYS, *headers])
+    if status is not HTTPStatus.NOT_MODIFIED:
+        described["Content-Length"] = str(length)
+    described["Connection"] = "close"
+    return Response(status.value, status.phrase, described, body)
 
 
 def _content_type(name: str) -> str:

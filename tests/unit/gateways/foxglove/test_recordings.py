@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import ssl
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -126,14 +126,8 @@ async def test_a_client_that_may_only_view_starts_no_recording() -> None:
         assert recordings.calls == []
 
 
-class Folder:
-    """Downloads from a folder."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    def find(self, name: str) -> Path | None:
-        return self._folder / name if name in ("drive.bag", "Fahrt ü #1.bag") else None
+def files_in(folder: Path) -> Callable[[str], Path | None]:
+    return lambda name: folder / name if name in ("drive.bag", "Fahrt ü #1.bag") else None
 
 
 async def fetched(there: Stage, path: str, more: str = "") -> bytes:
@@ -148,7 +142,7 @@ async def fetched(there: Stage, path: str, more: str = "") -> bytes:
 async def test_a_recording_is_downloaded_whole(tmp_path: Path) -> None:
     content = bytes(range(256)) * 20_000
     (tmp_path / "drive.bag").write_bytes(content)
-    async with stage(FREE, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
+    async with stage(FREE, site=Site({"index.html": b""}, files_in(tmp_path))) as there:
         head, _, body = (await fetched(there, "/recordings/drive.bag")).partition(b"\r\n\r\n")
         assert head.startswith(b"HTTP/1.1 200 OK\r\n")
         assert b"attachment; filename*=UTF-8''drive.bag" in head
@@ -179,7 +173,7 @@ async def test_a_recording_is_downloaded_whole(tmp_path: Path) -> None:
 async def test_recordings_need_the_token(tmp_path: Path, path: str, more: str, status: int) -> None:
     (tmp_path / "drive.bag").write_bytes(b"content")
     settings = replace(FREE, token="full", view_token="look")
-    async with stage(settings, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
+    async with stage(settings, site=Site({"index.html": b""}, files_in(tmp_path))) as there:
         reply = await fetched(there, f"/recordings/drive.bag{path}", more)
         assert reply.startswith(f"HTTP/1.1 {status} ".encode())
         assert (b"content" in reply) is (status == 200)
@@ -191,7 +185,7 @@ async def test_a_recording_is_downloaded_over_tls(tmp_path: Path) -> None:
     made = own_certificate(tmp_path / "tls")
     settings = replace(FREE, certificate=str(made.certificate), key=str(made.key))
     trust = ssl.create_default_context(cafile=str(made.authority))
-    site = Site({"index.html": b"", "large.js": content}, Folder(tmp_path))
+    site = Site({"index.html": b"", "large.js": content}, files_in(tmp_path))
     async with stage(settings, site=site) as there:
         for path in ("/recordings/drive.bag", "/large.js"):
             reader, writer = await asyncio.open_connection(
@@ -207,7 +201,7 @@ async def test_a_recording_is_downloaded_over_tls(tmp_path: Path) -> None:
 async def test_a_client_that_half_closes_gets_its_recording(tmp_path: Path) -> None:
     content = bytes(5 << 20)
     (tmp_path / "drive.bag").write_bytes(content)
-    async with stage(FREE, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
+    async with stage(FREE, site=Site({"index.html": b""}, files_in(tmp_path))) as there:
         reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
         writer.write(b"GET /recordings/drive.bag HTTP/1.1\r\nHost: localhost\r\n\r\n")
         writer.write_eof()
@@ -218,7 +212,7 @@ async def test_a_client_that_half_closes_gets_its_recording(tmp_path: Path) -> N
 
 async def test_a_client_that_goes_away_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
     (tmp_path / "drive.bag").write_bytes(bytes(50 << 20))
-    async with stage(FREE, site=Site({"index.html": b""}, Folder(tmp_path))) as there:
+    async with stage(FREE, site=Site({"index.html": b""}, files_in(tmp_path))) as there:
         reader, writer = await asyncio.open_connection("127.0.0.1", there.gateway.port)
         writer.write(b"GET /recordings/drive.bag HTTP/1.1\r\nHost: localhost\r\n\r\n")
         await reader.readexactly(1000)
