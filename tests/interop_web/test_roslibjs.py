@@ -8,7 +8,7 @@ from interop_web.graphs import GRAPHS
 from interop_web.pages import TIMEOUT_S, read_reports, resume, wait_until, wait_until_served
 from interop_web.robot_stage import IMAGE_BYTES, POSE, robot_stage
 from interop_web.web_peers import WebPeers
-from rostether.gateways.rosbridge.cdr_form import CdrForm
+from rostether.ros2.types.native_types import types_of
 
 
 @pytest.mark.parametrize(("generation", "ros"), [("1", "ros1"), ("2", "ros1"), ("2", "zenoh")])
@@ -40,7 +40,7 @@ async def test_a_page_uses_a_robot_as_with_rosbridge_suite(
         payload = stage.payload("geometry_msgs/PoseStamped", pose)
         if ros == "zenoh":
             pose_type = graph.store.registry.message_type("geometry_msgs/PoseStamped")
-            payload = CdrForm(graph.store.registry).to_cdr(pose_type, payload)
+            payload = types_of(graph.store.registry).message(pose_type).converter.to_cdr(payload)
         assert found["latched"] == {"data": "kept"}
         assert found["nested"] == pose
         assert found["png"] == pose

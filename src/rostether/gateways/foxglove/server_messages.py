@@ -93,17 +93,7 @@ def remove_status(status_ids: Iterable[str]) -> str:
 
 def advertise(channels: Iterable[Channel]) -> str:
     """Return the message that offers channels."""
-    described = [
-        {
-            "id": channel.id,
-            "topic": channel.topic,
-            "encoding": ROS1_ENCODING,
-            "schemaName": channel.type.name,
-            "schemaEncoding": _SCHEMA_ENCODING,
-            "schema": channel.type.definition,
-        }
-        for channel in channels
-    ]
+    described = [{"id": channel.id, "topic": channel.topic, **_schema(channel.type)} for channel in channels]
     return _json({"op": "advertise", "channels": described})
 
 

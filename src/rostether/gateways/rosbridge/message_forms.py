@@ -18,8 +18,8 @@ from rostether.serde.store import TypeStore
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.cbor import CborForm
-    from rostether.gateways.rosbridge.cdr_form import CdrForm
     from rostether.gateways.rosbridge.request import Request
+    from rostether.ros2.types.type_support import Ros2Types
 
 # Each value may be an empty object that becomes a message: a marker takes 20 µs.
 _FEW_VALUES: Final = 1024
@@ -90,7 +90,7 @@ class MessageForms:
             from rostether.gateways.rosbridge.cbor import publish_raw
 
             if self._style is Style.ROS2:
-                payload = self._cdr_form.to_cdr(batch.connection.type, payload)
+                payload = self._ros2_types.message(batch.connection.type).converter.to_cdr(payload)
             return publish_raw(topic, payload, batch.forms.setdefault("received", self._now()))
         codec = batch.connection.codec
         if compression is Compression.CBOR:
@@ -108,7 +108,7 @@ class MessageForms:
         return CborForm(self._style)
 
     @cached_property
-    def _cdr_form(self) -> CdrForm:
-        from rostether.gateways.rosbridge.cdr_form import CdrForm
+    def _ros2_types(self) -> Ros2Types:
+        from rostether.ros2.types.native_types import types_of
 
-        return CdrForm(self._store.registry)
+        return types_of(self._store.registry)

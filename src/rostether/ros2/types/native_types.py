@@ -7,6 +7,8 @@ from typing import Any, TypeVar
 
 from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.registry import Registry
+from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.paired_definitions import PairedDefinitions
 from rostether.ros2.types.type_support import (
@@ -107,3 +109,10 @@ def _maker(node: Node, default: Any) -> Any:
         return default
     values = tuple(default)
     return bytes(values) if node.is_bytes else lambda: list(values)
+
+
+def types_of(registry: Registry) -> Ros2Types:
+    """Return the types of a registry: those of ROS 2 from a `NativeRegistry`, else derived from ROS 1."""
+    if isinstance(registry, NativeRegistry):
+        return NativeTypes(registry)
+    return Ros2Types(registry, Ros2Definitions.from_environment())

@@ -2,8 +2,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
+from rostether.msgdef.registry import Registry
 from rostether.ros2.types.native_registry import NativeRegistry
-from rostether.ros2.types.native_types import NativeClasses
+from rostether.ros2.types.native_types import NativeClasses, types_of
 from rostether.serde.store import TypeStore
 
 
@@ -32,3 +35,13 @@ def test_defaults_of_every_kind(tmp_path: Path) -> None:
     thing, other = message_class(), message_class()
     thing.pair.append(5)
     assert (other.name, other.on, other.raw, other.pair, other.plain) == ("tool", True, b"\1\2", [3, 4], 0)
+
+
+@pytest.mark.parametrize("registry", [Registry(), NativeRegistry.from_environment(environ={})])
+def test_the_types_of_both_kinds_of_registries(registry: Registry) -> None:
+    payload = TypeStore(registry).codec("std_msgs/Header").encode({"frame_id": "map"})
+    types = types_of(registry)
+    header = registry.message_type("std_msgs/Header")
+    cdr = bytes.fromhex("00010000 00000000 00000000 04000000 6d617000")
+    assert types.message(header).converter.to_cdr(payload) == cdr
+    assert "builtin_interfaces/Time stamp\n" in types.full_text(header)

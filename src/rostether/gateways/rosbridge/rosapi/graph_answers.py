@@ -16,7 +16,7 @@ from rostether.msgdef.interface import ANY_TYPE
 from rostether.msgdef.registry import Registry
 
 if TYPE_CHECKING:
-    from rostether.gateways.rosbridge.cdr_form import CdrForm
+    from rostether.ros2.types.type_support import Ros2Types
 
 # How long one server may take to send its type or host; a server may hang.
 _ASK_LIMIT_S: Final = 3.0
@@ -179,15 +179,15 @@ class GraphAnswers:
             return ""
         try:
             message_type = self._registry.message_type(short_type(type_name))
-            return self._cdr_form.full_text(message_type) if self._is_ros2 else message_type.definition
+            return self._ros2_types.full_text(message_type) if self._is_ros2 else message_type.definition
         except RostetherError as error:
             return f"# failed to get full definition text for {type_name}: {error}"
 
     @cached_property
-    def _cdr_form(self) -> CdrForm:
-        from rostether.gateways.rosbridge.cdr_form import CdrForm
+    def _ros2_types(self) -> Ros2Types:
+        from rostether.ros2.types.native_types import types_of
 
-        return CdrForm(self._registry)
+        return types_of(self._registry)
 
     def _services(self, snapshot: Snapshot) -> list[ServiceEntry]:
         return [each for each in snapshot.services.values() if self._allows_service(each.name)]
