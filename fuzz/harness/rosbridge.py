@@ -27,7 +27,7 @@ from rostether.gateways.rosbridge.png_packing import pack_png
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.session import Session
-from rostether.gateways.rosbridge.settings import RosbridgeSettings
+from rostether.gateways.rosbridge.settings import RosbridgeLimits, RosbridgeSettings
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
@@ -50,7 +50,7 @@ LAST_CALL = '{"op":"call_service","service":"/rosapi/get_time","id":"the end"}'
 
 _MESSAGES: tuple[object, ...] = ({"data": "x"}, {"data": [1, 300]}, {"data": None}, {"x": 1}, [], 5)
 _STORE = TypeStore(Registry())
-_SETTINGS = RosbridgeSettings(max_message_bytes=1 << 16)
+_SETTINGS = RosbridgeSettings(limits=RosbridgeLimits(message_bytes=1 << 16))
 _NOT_OURS = re.compile(r"rosbridge: a client: [A-Za-z]*(Error|Exception|Interrupt): ")
 
 

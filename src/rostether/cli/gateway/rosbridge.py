@@ -238,23 +238,20 @@ async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, 
 
 def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSettings:
     """Return the settings from the node's parameters. Raises ConfigError naming the parameter."""
-    from rostether.gateways.rosbridge.settings import (
-        DEFAULT_MAX_MESSAGE_BYTES,
-        DEFAULT_PORT,
-        RosbridgeSettings,
-    )
+    from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeLimits, RosbridgeSettings
     from rostether.gateways.websocket.settings import DEFAULT_HOST
 
     if is_true(parameters, "authenticate") and not token:
         raise ConfigError(f"~authenticate needs a token; set {TOKEN_VARIABLE} in the environment of the node")
     is_secure = is_true(parameters, "ssl") or bool(parameters.get("certfile"))
     certificate, key = certificate_files(parameters, "ssl") if is_secure else ("", "")
+    max_bytes = whole_number(parameters, "max_message_size", 0)
     return RosbridgeSettings(
         host=str(parameters.get("address") or DEFAULT_HOST),
         port=whole_number(parameters, "port", DEFAULT_PORT),
         token=token,
         path="" if parameters.get("websocket_path") in (None, "/") else str(parameters["websocket_path"]),
-        max_message_bytes=whole_number(parameters, "max_message_size", 0) or DEFAULT_MAX_MESSAGE_BYTES,
+        limits=RosbridgeLimits(message_bytes=max_bytes) if max_bytes else RosbridgeLimits(),
         deflate=is_true(parameters, "use_compression"),
         certificate=certificate,
         key=key,

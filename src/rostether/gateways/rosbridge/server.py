@@ -16,19 +16,12 @@ from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 from rostether.gateways.rosbridge.rosbridge_context import Report, RosbridgeContext
 from rostether.gateways.rosbridge.session import Session
-from rostether.gateways.rosbridge.settings import (
-    MAX_CLIENTS,
-    MAX_GREETING,
-    MAX_UNANSWERED_PINGS,
-    PING_PERIOD_S,
-    UNSENT_BYTES,
-    RosbridgeSettings,
-)
+from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.gateways.websocket.access_rules import Rights
 from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
-from rostether.gateways.websocket.settings import ConnectionLimits, ServedProtocol
+from rostether.gateways.websocket.settings import ServedProtocol
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph, Level, Publisher
@@ -80,14 +73,7 @@ class RosbridgeServer:
                 "rosbridge", path=settings.path, deflates=settings.deflate, wants_token_first=False
             ),
             settings,
-            ConnectionLimits(
-                clients=MAX_CLIENTS,
-                others=MAX_GREETING,
-                message_bytes=settings.max_message_bytes,
-                unsent_bytes=UNSENT_BYTES,
-                ping_period_s=PING_PERIOD_S,
-                pings=MAX_UNANSWERED_PINGS,
-            ),
+            settings.limits,
             self._open_session,
             lambda text: report(Level.WARN, f"rosbridge: {text}"),
         )

@@ -74,7 +74,7 @@ class Session:
         )
         self._services = services = ClientServices(context, self._send)
         self._actions = actions = ClientActions(context, self._send)
-        self._fragments = Defragmenter(context.settings.max_message_bytes)
+        self._fragments = Defragmenter(context.settings.limits.message_bytes)
         self._fragment_ids = count()
         self._depth = 0
         self._logged: set[str] = set()
@@ -133,7 +133,9 @@ class Session:
 
     async def _handle_png(self, request: Request) -> None:
         """Handle a message that is packed into an image."""
-        await self._execute_inner(unpack_png(request.text("data"), self._context.settings.max_message_bytes))
+        await self._execute_inner(
+            unpack_png(request.text("data"), self._context.settings.limits.message_bytes)
+        )
 
     async def _execute_inner(self, text: str) -> None:
         if self._depth >= MAX_DEPTH:

@@ -5,19 +5,10 @@ from __future__ import annotations
 from fnmatch import fnmatchcase
 
 from rostether.errors import AccessDeniedError
-from rostether.gateways.websocket.settings import ServerSettings
+from rostether.gateways.websocket.settings import ConnectionLimits, ServerSettings
 
 # The default port of rosbridge, which pages and examples use.
 DEFAULT_PORT = 9090
-
-# rosbridge's own default. It applies before parsing, and to joined fragments.
-DEFAULT_MAX_MESSAGE_BYTES = 10_000_000
-
-# Enough for the pages and programs of a large laboratory; each needs a descriptor and about 100 kB.
-MAX_CLIENTS = 1024
-
-# The limit of connections that have not sent a request yet; each has ten seconds for it.
-MAX_GREETING = 256
 
 # Topics of one client: a page that shows a whole robot has about a hundred.
 MAX_SUBSCRIPTIONS = 1000
@@ -53,15 +44,6 @@ OPERATION_LIMIT_S = 10.0
 # A client that has not authenticated within this time is disconnected.
 GREETING_LIMIT_S = 10.0
 
-# The time between pings; a client that has disappeared is noticed after 60 to 80 s.
-PING_PERIOD_S = 20.0
-
-# A client that answers no ping has disconnected. A slow client answers late, after it has read earlier data.
-MAX_UNANSWERED_PINGS = 3
-
-# The size of a slow client's socket buffer; further messages wait in queues that drop the oldest.
-UNSENT_BYTES = 32 << 10
-
 # How long one client's work may delay others, including boards.
 TURN_S = 0.005
 
@@ -79,6 +61,26 @@ def matches(name: str, globs: tuple[str, ...] | None) -> bool:
     return globs is None or any(fnmatchcase(name, each) for each in globs)
 
 
+class RosbridgeLimits(ConnectionLimits, frozen=True):
+    """Bounds of one server and its connections."""
+
+    # Enough for the pages and programs of a large laboratory; each needs a descriptor and about 100 kB.
+    clients: int = 1024
+
+    # Connections that have not sent a request yet; each has ten seconds for it.
+    others: int = 256
+
+    # rosbridge's own default. It applies before parsing, and to joined fragments.
+    message_bytes: int = 10_000_000
+
+    # Further messages wait in queues that drop the oldest.
+    unsent_bytes: int = 32 << 10
+
+    # A client that answers no ping has disconnected. A slow client answers late, after it has read earlier
+    # data. One that has disappeared is noticed after 60 to 80 s.
+    pings: int = 3
+
+
 class RosbridgeSettings(ServerSettings, frozen=True):
     """The settings of a rosbridge server.
 
@@ -88,9 +90,9 @@ class RosbridgeSettings(ServerSettings, frozen=True):
 
     port: int = DEFAULT_PORT
     path: str = ""
-    max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES
     deflate: bool = False
     fragment_bytes: int | None = None
     topics_glob: tuple[str, ...] | None = None
     services_glob: tuple[str, ...] | None = None
     params_glob: tuple[str, ...] | None = None
+    limits: RosbridgeLimits = RosbridgeLimits()

@@ -15,7 +15,7 @@ from interop.ros1_peers import free_port
 from programs import started
 from rostether.cli.gateway.rosbridge import read_settings
 from rostether.errors import ConfigError
-from rostether.gateways.rosbridge.settings import RosbridgeSettings
+from rostether.gateways.rosbridge.settings import RosbridgeLimits, RosbridgeSettings
 from rostether.launch.sources import bundled_launch_packages
 from rostether.ros1.master.server import MasterServer
 
@@ -138,7 +138,7 @@ def test_parameters_of_rosbridge_websocket() -> None:
         host="0.0.0.0",
         port=9191,
         path="/ros",
-        max_message_bytes=1000,
+        limits=RosbridgeLimits(message_bytes=1000),
         deflate=True,
         topics_glob=("/a", "/b*"),
     )

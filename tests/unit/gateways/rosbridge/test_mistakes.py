@@ -10,7 +10,7 @@ from websockets.exceptions import ConnectionClosed
 
 from rostether.gateways.rosbridge import session
 from rostether.gateways.rosbridge.png_packing import pack_png
-from rostether.gateways.rosbridge.settings import RosbridgeSettings
+from rostether.gateways.rosbridge.settings import RosbridgeLimits, RosbridgeSettings
 from unit.gateways.rosbridge.web_client import World, world
 
 SETTINGS = RosbridgeSettings(host="127.0.0.1", port=0)
@@ -102,7 +102,7 @@ async def test_text_that_is_not_utf8_ends_only_that_client(there: World) -> None
 
 
 async def test_messages_that_are_too_large_end_that_client_alone() -> None:
-    settings = replace(SETTINGS, max_message_bytes=1000)
+    settings = replace(SETTINGS, limits=RosbridgeLimits(message_bytes=1000))
     async with world(settings) as there, there.client() as other, there.client() as client:
         await client.say("publish", topic="/a", msg={"data": "x" * 2000})
         with pytest.raises(ConnectionClosed) as caught:

@@ -11,10 +11,9 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from rostether.errors import TransportOpenError
-from rostether.gateways.rosbridge import server
 from rostether.gateways.rosbridge.png_packing import pack_png
 from rostether.gateways.rosbridge.server import RosbridgeServer
-from rostether.gateways.rosbridge.settings import RosbridgeSettings
+from rostether.gateways.rosbridge.settings import RosbridgeLimits, RosbridgeSettings
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.mechanisms.line_budget import MAX_LINES
 from rostether.msgdef.registry import Registry
@@ -101,9 +100,8 @@ async def test_names_outside_of_the_globs_are_refused() -> None:
             assert status["level"] == "error"
 
 
-async def test_clients_are_counted_and_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server, "MAX_CLIENTS", 1)
-    async with world(SETTINGS) as there:
+async def test_clients_are_counted_and_bounded() -> None:
+    async with world(replace(SETTINGS, limits=RosbridgeLimits(clients=1))) as there:
         await clients_are_counted_and_bounded(there)
 
 
@@ -120,10 +118,8 @@ async def clients_are_counted_and_bounded(there: World) -> None:
     await counts.aclose()
 
 
-async def test_the_oldest_silent_connection_makes_room(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server, "MAX_CLIENTS", 2)
-    monkeypatch.setattr(server, "MAX_GREETING", 1)
-    async with world(SETTINGS) as there:
+async def test_the_oldest_silent_connection_makes_room() -> None:
+    async with world(replace(SETTINGS, limits=RosbridgeLimits(clients=2, others=1))) as there:
         silent = [await asyncio.open_connection("127.0.0.1", there.server.port) for _ in range(4)]
         with contextlib.suppress(ConnectionError):
             assert await silent[0][0].read() == b""
