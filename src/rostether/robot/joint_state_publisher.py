@@ -7,6 +7,8 @@ import itertools
 from collections.abc import Callable, Sequence
 from contextlib import aclosing
 
+from msgspec.structs import asdict
+
 from rostether.errors import ConfigError
 from rostether.graph.node_parameters import NodeParameters, as_number
 from rostether.graph.ports import ParamValue
@@ -92,13 +94,8 @@ async def _publish_at_rate(
         states.step()
         values = states.values()
         if values.name:
-            publisher.publish(
-                header={"seq": sequence & 0xFFFFFFFF, "stamp": graph.now()},
-                name=values.name,
-                position=values.position,
-                velocity=values.velocity,
-                effort=values.effort,
-            )
+            header = {"seq": sequence & 0xFFFFFFFF, "stamp": graph.now()}
+            publisher.publish(header=header, **asdict(values))
         # After a delay, continue from now instead of catching up in a burst.
         due_s = max(due_s + 1 / rate_hz, loop.time())
         await asyncio.sleep(due_s - loop.time())

@@ -157,8 +157,7 @@ class _Republisher:
             self._cancel(next(iter(self._goals)))
 
         def send(fields: dict[str, Any]) -> None:
-            status = {"goal_id": goal_id, "status": _ACTIVE, "text": ""}
-            self._feedback.publish(header=self._header(), status=status, feedback=fields)
+            self._feedback.publish(header=self._header(), status=_status(goal_id), feedback=fields)
 
         task = start_task(self._tasks, self._serve_goal(goal_id.id, request, send))
         self._goals[goal_id.id] = task, goal_id
@@ -182,15 +181,11 @@ class _Republisher:
             self._end_goal(goal_id, _PREEMPTED, "")
 
     def _end_goal(self, goal_id: Any, status: int, text: str) -> None:
-        self._result.publish(
-            header=self._header(), status={"goal_id": goal_id, "status": status, "text": text}, result={}
-        )
+        self._result.publish(header=self._header(), status=_status(goal_id, status, text), result={})
 
     async def _publish_status(self) -> None:
         while True:
-            active = [
-                {"goal_id": goal_id, "status": _ACTIVE, "text": ""} for _, goal_id in self._goals.values()
-            ]
+            active = [_status(goal_id) for _, goal_id in self._goals.values()]
             self._status.publish(header=self._header(), status_list=active)
             await asyncio.sleep(STATUS_PERIOD_S)
 
@@ -215,3 +210,7 @@ class _Republisher:
 
     def _header(self) -> dict[str, Any]:
         return {"stamp": self._graph.now()}
+
+
+def _status(goal_id: Any, status: int = _ACTIVE, text: str = "") -> dict[str, Any]:
+    return {"goal_id": goal_id, "status": status, "text": text}

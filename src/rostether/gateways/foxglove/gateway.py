@@ -96,7 +96,9 @@ class FoxgloveGateway(BlockClosable):
             parameters=Parameters(graph, settings.parameters),
             connections=ConnectionGraph(channels.known),
             assets=Assets(find_packages or dict, settings.limits.asset_bytes),
-            clock=SimClock(graph, shared, self._send_time, self._restart_clients),
+            clock=SimClock(
+                graph, shared, lambda time_ns: self._broadcast(replies.time(time_ns)), self._restart_clients
+            ),
             teleop=Teleop(parts.join_teleop) if parts.join_teleop is not None else None,
             recordings=RecordingReports(parts.recordings) if parts.recordings is not None else None,
         )
@@ -266,9 +268,6 @@ class FoxgloveGateway(BlockClosable):
             StatusLevel.WARNING, text, f"warning-{len(self._statuses)}"
         )
         self._broadcast(message)
-
-    def _send_time(self, time_ns: int) -> None:
-        self._broadcast(replies.time(time_ns))
 
     def _restart_clients(self) -> None:
         # A client learns only at the start of its connection whether the clock is simulated.

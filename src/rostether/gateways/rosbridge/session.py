@@ -24,7 +24,13 @@ from rostether.gateways.rosbridge.client_subscription import (
 from rostether.gateways.rosbridge.client_topics import ClientTopics
 from rostether.gateways.rosbridge.fragments import Defragmenter, split_fragments
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
-from rostether.gateways.rosbridge.request import Request, read_request
+from rostether.gateways.rosbridge.request import (
+    DEFAULT_LEVEL,
+    Request,
+    StatusLevel,
+    read_request,
+    status_message,
+)
 from rostether.gateways.rosbridge.rosauth import authenticates
 from rostether.gateways.rosbridge.settings import (
     GREETING_LIMIT_S,
@@ -33,7 +39,6 @@ from rostether.gateways.rosbridge.settings import (
     OPERATION_LIMIT_S,
     TURN_S,
 )
-from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, status_message
 from rostether.gateways.rosbridge.values import JsonText, write_json
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
