@@ -13,7 +13,7 @@ from rostether.mechanisms.text import show_endpoint
 from rostether.ros1.environment import connect_host
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
 from rostether.tcpros.header import HeaderDecoder, encode_header
-from rostether.transports.sockets import explain_reason
+from rostether.transports.sockets import explain_reason, limit_unsent
 
 # A healthy peer answers in milliseconds; over a bad radio link, TCP retransmits a lost packet within 3 s.
 CONNECT_TIMEOUT_S = 10.0
@@ -199,11 +199,8 @@ def set_keepalive(transport: asyncio.Transport) -> None:
             opened.setsockopt(socket.IPPROTO_TCP, option, value)
 
 
-def limit_unsent(transport: asyncio.Transport) -> None:
+def keep_unsent(transport: asyncio.Transport) -> None:
     """Keep the data for a slow peer in this process, where it can be counted and dropped."""
-    opened = transport.get_extra_info("socket")
-    option = getattr(socket, "TCP_NOTSENT_LOWAT", None)
-    if opened is not None and option is not None:
-        opened.setsockopt(socket.IPPROTO_TCP, option, UNSENT_BYTES)
+    limit_unsent(transport, UNSENT_BYTES)
     # The transport's own buffer cannot be dropped either: it may hold the rest of one write, no more.
     transport.set_write_buffer_limits(high=0)

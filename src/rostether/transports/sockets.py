@@ -76,6 +76,14 @@ def tune_stream(sock: socket.socket) -> None:
                 sock.setsockopt(level, option, value)
 
 
+def limit_unsent(transport: asyncio.BaseTransport, limit_bytes: int) -> None:
+    """Keep data for a slow peer in this process, where it can be dropped: the kernel would keep megabytes."""
+    opened, option = transport.get_extra_info("socket"), getattr(socket, "TCP_NOTSENT_LOWAT", None)
+    if opened is not None and option is not None:
+        with contextlib.suppress(OSError):
+            opened.setsockopt(socket.IPPROTO_TCP, option, limit_bytes)
+
+
 def read_buffer() -> memoryview:
     """Return the running event loop's buffer for reads of connections, `READ_BYTES` long."""
     loop = asyncio.get_running_loop()

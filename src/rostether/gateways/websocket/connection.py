@@ -6,8 +6,6 @@ The library websockets implements the protocol, without I/O.
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import socket
 import time
 from collections.abc import Callable, Sequence
 from http import HTTPStatus
@@ -34,7 +32,7 @@ from rostether.gateways.websocket.plain_answer import (
 )
 from rostether.gateways.websocket.tls_start import encrypted
 from rostether.transports.read_turn import ReadTurn
-from rostether.transports.sockets import read_buffer
+from rostether.transports.sockets import limit_unsent, read_buffer
 
 if TYPE_CHECKING:
     import ssl
@@ -177,7 +175,9 @@ class Connection(asyncio.BufferedProtocol):
         peer, own = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
         if peer and own:
             self.host, self.is_local = peer[0], peer[0] == own[0]
-        self._limit_unsent(transport)
+        # Messages for a slow client wait in the queues of the `ConnectionUser`, which can drop them.
+        transport.set_write_buffer_limits(high=self._limits.unsent_bytes)
+        limit_unsent(transport, self._limits.unsent_bytes)
         if not self._server.admit(self, transport):
             self.abort()
             return
@@ -300,16 +300,6 @@ class Connection(asyncio.BufferedProtocol):
             self._transport.abort()
 
     # Internal methods.
-
-    def _limit_unsent(self, transport: asyncio.Transport) -> None:
-        """Keep messages for a slow client in the queues of the `ConnectionUser`, which can drop them."""
-        limit = self._limits.unsent_bytes
-        transport.set_write_buffer_limits(high=limit)
-        # Without this option, the kernel keeps megabytes.
-        opened, option = transport.get_extra_info("socket"), getattr(socket, "TCP_NOTSENT_LOWAT", None)
-        if opened is not None and option is not None:
-            with contextlib.suppress(OSError):
-                opened.setsockopt(socket.IPPROTO_TCP, option, limit)
 
     async def _encrypt(self, transport: asyncio.Transport, early: bytearray, context: ssl.SSLContext) -> None:
         wire = await encrypted(transport, self, early, context, self._limits.handshake_s)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from weakref import WeakValueDictionary
 
 from rostether.graph.flow_control import PublicationFlow, Reader, SubscriberFlow
-from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, limit_unsent
+from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, keep_unsent
 from rostether.tcpros.message_framing import measure_oldest
 
 # A subscriber that is often too slow for a moment would fill the log; the line has the total of lost
@@ -65,7 +65,7 @@ class SubscriberConnection(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Start to send."""
-        limit_unsent(self._transport)
+        keep_unsent(self._transport)
         self._transport.write(self._greeting)
         self._greeting = b""
 
