@@ -153,12 +153,13 @@ def _by_name(request: Codec, args: Any) -> Any:
 class Row(Struct, frozen=True):
     """One service: the fields of its response, and `ask`, which returns the field's value or a tuple of them.
 
-    `own_type` is set where the name of the type does not follow from the name of the service.
+    `ask` gets the values of the request's fields in their order. `own_type` is set where the name of the type
+    does not follow from the name of the service.
     """
 
     name: str
     fields: tuple[str, ...]
-    ask: Callable[[Message], Awaitable[Any]]
+    ask: Callable[..., Awaitable[Any]]
     own_type: str = ""
 
     @property
@@ -170,7 +171,7 @@ class Row(Struct, frozen=True):
         """Return the fields of the response. Raises RostetherError, unless the response reports it."""
         success: dict[str, Any] = {"successful": True} if has_success_field else {}
         try:
-            found = await self.ask(request)
+            found = await self.ask(*(getattr(request, name) for name, _ in request._fields))
         except RostetherError as error:
             if not has_success_field:
                 raise
@@ -183,44 +184,31 @@ class Row(Struct, frozen=True):
 def _service_rows(
     graph: GraphAnswers, parameters: ParameterServices, system: SystemAnswers
 ) -> tuple[Row, ...]:
-    """Return all services of rosapi."""
-    g, p, s = graph, parameters, system
     return (
-        Row("topics", ("topics", "types"), lambda _: g.topics()),
-        Row(
-            "topics_and_raw_types", ("topics", "types", "typedefs_full_text"), lambda _: g.topics_and_texts()
-        ),
-        Row("topics_for_type", ("topics",), lambda asked: g.topics_for_type(asked.type)),
-        Row("topic_type", ("type",), lambda asked: g.topic_type(asked.topic)),
-        Row("publishers", ("publishers",), lambda asked: g.publishers(asked.topic)),
-        Row("subscribers", ("subscribers",), lambda asked: g.subscribers(asked.topic)),
-        Row("nodes", ("nodes",), lambda _: g.nodes()),
-        Row(
-            "node_details",
-            ("subscribing", "publishing", "services"),
-            lambda asked: g.node_details(asked.node),
-        ),
-        Row("services", ("services",), lambda _: g.services()),
-        Row("services_for_type", ("services",), lambda asked: g.services_for_type(asked.type)),
-        Row("service_type", ("type",), lambda asked: g.service_type(asked.service)),
-        Row("service_node", ("node",), lambda asked: g.service_node(asked.service)),
-        Row("service_host", ("host",), lambda asked: g.service_host(asked.service)),
-        Row("service_providers", ("providers",), lambda asked: g.service_providers(asked.service)),
-        Row("action_servers", ("action_servers",), lambda _: g.action_servers(), "GetActionServers"),
-        Row("message_details", ("typedefs",), lambda asked: s.message(asked.type)),
-        Row("service_request_details", ("typedefs",), lambda asked: s.request(asked.type)),
-        Row("service_response_details", ("typedefs",), lambda asked: s.response(asked.type)),
-        Row("get_time", ("time",), lambda _: s.time()),
-        Row("get_ros_version", ("version", "distro"), lambda _: s.ros_version(), "GetROSVersion"),
-        Row("get_param", ("value",), lambda asked: p.get(asked.name, _default(asked))),
-        Row("set_param", (), lambda asked: p.set(asked.name, asked.value)),
-        Row("has_param", ("exists",), lambda asked: p.has(asked.name)),
-        Row("delete_param", (), lambda asked: p.delete(asked.name)),
-        Row("search_param", ("global_name",), lambda asked: p.search(asked.name)),
-        Row("get_param_names", ("names",), lambda _: p.names()),
+        Row("topics", ("topics", "types"), graph.topics),
+        Row("topics_and_raw_types", ("topics", "types", "typedefs_full_text"), graph.topics_and_texts),
+        Row("topics_for_type", ("topics",), graph.topics_for_type),
+        Row("topic_type", ("type",), graph.topic_type),
+        Row("publishers", ("publishers",), graph.publishers),
+        Row("subscribers", ("subscribers",), graph.subscribers),
+        Row("nodes", ("nodes",), graph.nodes),
+        Row("node_details", ("subscribing", "publishing", "services"), graph.node_details),
+        Row("services", ("services",), graph.services),
+        Row("services_for_type", ("services",), graph.services_for_type),
+        Row("service_type", ("type",), graph.service_type),
+        Row("service_node", ("node",), graph.service_node),
+        Row("service_host", ("host",), graph.service_host),
+        Row("service_providers", ("providers",), graph.service_providers),
+        Row("action_servers", ("action_servers",), graph.action_servers, "GetActionServers"),
+        Row("message_details", ("typedefs",), system.message),
+        Row("service_request_details", ("typedefs",), system.request),
+        Row("service_response_details", ("typedefs",), system.response),
+        Row("get_time", ("time",), system.time),
+        Row("get_ros_version", ("version", "distro"), system.ros_version, "GetROSVersion"),
+        Row("get_param", ("value",), parameters.get),
+        Row("set_param", (), parameters.set),
+        Row("has_param", ("exists",), parameters.has),
+        Row("delete_param", (), parameters.delete),
+        Row("search_param", ("global_name",), parameters.search),
+        Row("get_param_names", ("names",), parameters.names),
     )
-
-
-def _default(asked: Message) -> str:
-    """Return the value for an unset parameter: the field is `default` in ROS 1, `default_value` in ROS 2."""
-    return str(asked.default_value if hasattr(asked, "default_value") else asked.default)
