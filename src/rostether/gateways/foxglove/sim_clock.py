@@ -11,6 +11,7 @@ from rostether.errors import RostetherError
 from rostether.gateways.shared_subscriptions import Batch, SharedSubscription, SharedSubscriptions
 from rostether.graph.ports import Graph, ParamValue, Watch
 from rostether.graph.ros_clock import CLOCK_TOPIC, decode_clock
+from rostether.mechanisms.tasks import start_task
 
 _USE_SIM_TIME = "/use_sim_time"
 _log = logging.getLogger("rostether.gateways")
@@ -38,7 +39,8 @@ class SimClock:
         self._time_ns = 0
         self._watch: Watch | None = None
         self._share: SharedSubscription | None = None
-        self._following: asyncio.Task[None] | None = None
+        self._following: set[asyncio.Task[None]] = set()
+        self._lock = asyncio.Lock()
 
     async def start(self) -> None:
         """Find out which clock is used, and watch for changes."""
@@ -57,35 +59,27 @@ class SimClock:
         if self._watch is not None:
             await self._watch.close()
         self.is_simulated = False
-        if self._following is not None:
-            await asyncio.wait([self._following])
-            await self._follow()
+        await self._follow()
 
     def _handle_use_sim_time(self, value: ParamValue) -> None:
         if (value is True) == self.is_simulated:
             return
         self.is_simulated = value is True
         self._time_ns = 0
-        before = self._following
-
-        async def follow() -> None:
-            if before is not None:
-                await asyncio.wait([before])
-            await self._follow()
-
-        self._following = asyncio.ensure_future(follow())
+        start_task(self._following, self._follow())
         self._on_change()
 
     async def _follow(self) -> None:
         """Subscribe to /clock while it is used."""
-        if self.is_simulated and self._share is None:
-            try:
-                self._share = await self._shared.subscribe(CLOCK_TOPIC, self._handle_clock)
-            except RostetherError as error:
-                _log.warning("cannot subscribe to %s, so clients get no time: %s", CLOCK_TOPIC, error)
-        elif not self.is_simulated and self._share is not None:
-            share, self._share = self._share, None
-            await share.close()
+        async with self._lock:
+            if self.is_simulated and self._share is None:
+                try:
+                    self._share = await self._shared.subscribe(CLOCK_TOPIC, self._handle_clock)
+                except RostetherError as error:
+                    _log.warning("cannot subscribe to %s, so clients get no time: %s", CLOCK_TOPIC, error)
+            elif not self.is_simulated and self._share is not None:
+                share, self._share = self._share, None
+                await share.close()
 
     def _handle_clock(self, batch: Batch) -> None:
         now = decode_clock(batch.payloads[-1])
