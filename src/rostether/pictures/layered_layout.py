@@ -155,7 +155,6 @@ class _Columns:
         return count
 
     def x_positions(self, gap: float) -> dict[str, float]:
-        """Return the x of each center."""
         xs, left = {}, 0.0
         for keys in self._columns:
             width = max((self._sizes[key][0] for key in keys), default=0.0)

@@ -60,8 +60,6 @@ class Labels(Struct, frozen=True):
 
 
 class _Frame(Struct, frozen=True):
-    """The area of the curves."""
-
     left: float
     right: float
     top: float

@@ -51,7 +51,6 @@ async def publish_robot_state(graph: TypedGraph, warn: Callable[[str], None]) ->
 
 
 async def _read_settings(graph: TypedGraph) -> RobotStateSettings:
-    """Return the node's settings from its parameters. Raises ConfigError."""
     prefix_name = await graph.search_param("tf_prefix")
     prefix = await graph.get_param(prefix_name) if prefix_name else ""
     return RobotStateSettings(

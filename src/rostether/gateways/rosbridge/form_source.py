@@ -121,7 +121,6 @@ class _Source:
         return self.names[name]
 
     def function(self, tree: Struct) -> str:
-        """Return the name of a type's function."""
         name = self._known.get(tree.name)
         if name is None:
             body = self._body(tree)
@@ -214,7 +213,6 @@ class _Body:
         return [*self._reads, *check, f"return {''.join(self._format)!r}{values}"]
 
     def struct(self, tree: Struct, variable: str) -> None:
-        """Write the message in a variable."""
         separator = "{"
         for member in tree.members:
             if self._source.leaves.style.omits(tree.name, member.name):

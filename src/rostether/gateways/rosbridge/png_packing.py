@@ -60,7 +60,6 @@ def _chunk(kind: bytes, content: bytes) -> bytes:
 
 
 def _text(picture: bytes, max_bytes: int) -> str:
-    """Return the text in an image. Raises ValueError, struct.error, zlib.error."""
     if not picture.startswith(_SIGNATURE):
         raise ValueError("it is not a PNG file")
     header = b""

@@ -118,7 +118,6 @@ class Session:
                 await asyncio.gather(self._topics.close(), self._services.close(), self._actions.close())
 
     def _report_status(self, level: StatusLevel, text: str, request_id: object = None) -> None:
-        """Send a status to the client, if it wants the level."""
         if level <= self._level:
             self._outbox.answer(status_message(level, text, request_id), is_status=True)
 

@@ -125,7 +125,6 @@ class _MisfitError(Exception):
         self.path = step + self.path if not self.path or self.path[0] == "[" else f"{step}.{self.path}"
 
     def message(self, type_name: str) -> str:
-        """Return the whole error in one line."""
         where = f" for field {self.path}" if self.path else ""
         return f"{type_name} needs {self._wanted}{where}, got {show(self._got)}"
 
@@ -138,13 +137,10 @@ class _UnknownFieldError(_MisfitError):
         self._known = known
 
     def message(self, type_name: str) -> str:
-        """Return the whole error in one line."""
         return f"{type_name} has no field {self.path}; it has {self._known}"
 
 
 class _Reader:
-    """Reads one value."""
-
     def __init__(self, codec: Codec, now: Time) -> None:
         self._codec = codec
         self._now = now

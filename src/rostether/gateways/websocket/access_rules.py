@@ -90,7 +90,6 @@ def single_header(headers: Headers, name: str) -> str | None:
 
 
 def _explain_foreign_host(host: str, remedy: str) -> str:
-    """Return why a request to another machine's name is refused."""
     return f"{host!r:.200} is not a name of this machine; use its address, set ROS_HOSTNAME, or use {remedy}"
 
 
