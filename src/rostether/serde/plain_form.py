@@ -18,25 +18,29 @@ from rostether.serde.values import Message
 
 def to_plain(message: Message) -> dict[str, Any]:
     """Return a message as dicts, lists, strings, numbers and bools, fields in the order of the definition."""
-    return {name: plain_value(getattr(message, name)) for name, _ in message._fields}
+    return plain_value(message)  # type: ignore[no-any-return]
 
 
-def plain_value(value: Any, of_bytes: Callable[[bytes], Any] = list) -> Any:
-    """Return the value of a field or parameter as `to_plain` does, bytes as `of_bytes` returns them."""
+def plain_value(
+    value: Any,
+    of_bytes: Callable[[bytes], Any] = list,
+    of_stamp: Callable[[Time | Duration], Any] = lambda stamp: {"secs": stamp.secs, "nsecs": stamp.nsecs},
+) -> Any:
+    """Return a value as `to_plain` does, with bytes and times as the functions return them."""
     if isinstance(value, float) and not math.isfinite(value):
         return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
     if isinstance(value, str):
         return clean_text(value)
     if isinstance(value, list):
-        return [plain_value(each, of_bytes) for each in value]
+        return [plain_value(each, of_bytes, of_stamp) for each in value]
     if isinstance(value, dict):
-        return {clean_text(name): plain_value(each, of_bytes) for name, each in value.items()}
+        return {clean_text(name): plain_value(each, of_bytes, of_stamp) for name, each in value.items()}
     if isinstance(value, bytes):
         return of_bytes(value)
     if isinstance(value, Message):
-        return to_plain(value)
+        return {name: plain_value(getattr(value, name), of_bytes, of_stamp) for name, _ in value._fields}
     if isinstance(value, Time | Duration):
-        return {"secs": value.secs, "nsecs": value.nsecs}
+        return of_stamp(value)
     return value
 
 

@@ -94,7 +94,7 @@ def decode_json(codec: Codec, data: bytes) -> dict[str, Any]:
 
 def encode_json(message: Message) -> bytes:
     """Return a message as JSON."""
-    return json.dumps(_plain(message), separators=(",", ":")).encode()
+    return json.dumps(plain_value(message, base64_text, _stamp_fields), separators=(",", ":")).encode()
 
 
 def _fields(tree: Struct, value: dict[str, Any]) -> dict[str, Any]:
@@ -122,13 +122,5 @@ def _stamp(value: dict[str, Any]) -> dict[str, Any]:
     return {_STAMP_FIELDS.get(name, name): each for name, each in value.items()}
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, Message):
-        return {name: _plain(getattr(value, name)) for name, _ in value._fields}
-    if isinstance(value, Time | Duration):
-        return {"sec": value.secs, "nsec": value.nsecs}
-    if isinstance(value, bytes):
-        return base64_text(value)
-    if isinstance(value, list):
-        return [_plain(each) for each in value]
-    return plain_value(value)
+def _stamp_fields(stamp: Time | Duration) -> dict[str, int]:
+    return {"sec": stamp.secs, "nsec": stamp.nsecs}
