@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from operator import attrgetter
 
 from msgspec import Struct
 
@@ -114,14 +114,10 @@ def _approach(old: float, wanted: float, step: float) -> float:
     return math.copysign(abs(start) + step, wanted)
 
 
-def _read(message: Any, path: str) -> float:
-    for name in path.split("."):
-        message = getattr(message, name)
-    return float(message)
+def _read(message: Message, path: str) -> float:
+    return float(attrgetter(path)(message))
 
 
-def _write(message: Any, path: str, value: float) -> None:
-    *parents, last = path.split(".")
-    for name in parents:
-        message = getattr(message, name)
-    setattr(message, last, value)
+def _write(message: Message, path: str, value: float) -> None:
+    parent, _, name = path.rpartition(".")
+    setattr(attrgetter(parent)(message) if parent else message, name, value)
