@@ -215,19 +215,17 @@ class WebSocketServer:
         self._limiter.report_refusal(self._connections[connection], reason)
 
     def _explain(self, port: int, error: OSError) -> TransportOpenError:
-        name, host = self.protocol.name, self._settings.host
+        host = self._settings.host
         if error.errno == errno.EADDRINUSE:
-            return TransportOpenError(
-                f"{name}: port {port} is already in use on {host}; stop the program that listens "
-                "there, or choose another port"
+            problem = (
+                f"port {port} is already in use on {host}; stop the program that listens there, or choose "
+                "another port"
             )
-        if error.errno == errno.EADDRNOTAVAIL or isinstance(error, socket.gaierror):
-            return TransportOpenError(
-                f"{name}: {host} is not an address of this machine; 0.0.0.0:{port} listens on all of them"
-            )
-        if error.errno == errno.EACCES:
-            return TransportOpenError(
-                f"{name}: port {port} is reserved for the system; choose a port above 1023"
-            )
-        address, reason = show_endpoint(host, port), explain_reason(error)
-        return TransportOpenError(f"{name}: cannot listen on {address}: {reason}; check the address")
+        elif error.errno == errno.EADDRNOTAVAIL or isinstance(error, socket.gaierror):
+            problem = f"{host} is not an address of this machine; 0.0.0.0:{port} listens on all of them"
+        elif error.errno == errno.EACCES:
+            problem = f"port {port} is reserved for the system; choose a port above 1023"
+        else:
+            address, reason = show_endpoint(host, port), explain_reason(error)
+            problem = f"cannot listen on {address}: {reason}; check the address"
+        return TransportOpenError(f"{self.protocol.name}: {problem}")

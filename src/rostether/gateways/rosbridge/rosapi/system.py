@@ -19,6 +19,14 @@ _DISTRO_PARAMETER = "/rosdistro"
 _MAX_TYPES: Final = 512
 
 _STAMPS: Final = ("time", "duration")
+_STAMP_DETAILS: Final = {
+    "fieldnames": ["secs", "nsecs"],
+    "fieldtypes": ["int32", "int32"],
+    "fieldarraylen": [-1, -1],
+    "examples": ["0", "0"],
+    "constnames": [],
+    "constvalues": [],
+}
 _EXAMPLES: Final = {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}
 
 
@@ -73,7 +81,7 @@ def message_details(registry: Registry, name: str) -> list[dict[str, Any]]:
             continue
         seen.add(each)
         if each in _STAMPS:
-            details.append(_stamp_details(each))
+            details.append({"type": each, **_STAMP_DETAILS})
             continue
         spec = registry.message(each)
         details.append(_details(spec))
@@ -95,18 +103,6 @@ def _details(spec: MessageSpec) -> dict[str, Any]:
         "examples": [_example(field) for field in spec.fields],
         "constnames": [constant.name for constant in spec.constants],
         "constvalues": [str(constant.value) for constant in spec.constants],
-    }
-
-
-def _stamp_details(name: str) -> dict[str, Any]:
-    return {
-        "type": name,
-        "fieldnames": ["secs", "nsecs"],
-        "fieldtypes": ["int32", "int32"],
-        "fieldarraylen": [-1, -1],
-        "examples": ["0", "0"],
-        "constnames": [],
-        "constvalues": [],
     }
 
 
