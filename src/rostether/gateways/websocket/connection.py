@@ -20,7 +20,6 @@ from websockets.protocol import OPEN
 from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
 
-from rostether.gateways.websocket.connection_limiter import peer_name
 from rostether.gateways.websocket.incoming_frames import MessageAssembler, PingWatch
 from rostether.gateways.websocket.plain_answer import (
     MAX_METHOD_BYTES,
@@ -30,6 +29,7 @@ from rostether.gateways.websocket.plain_answer import (
     http_method,
     request_method,
 )
+from rostether.gateways.websocket.refusals import peer_name
 from rostether.gateways.websocket.tls_start import encrypted
 from rostether.transports.read_turn import ReadTurn
 from rostether.transports.sockets import limit_unsent, read_buffer

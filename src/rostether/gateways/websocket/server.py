@@ -16,7 +16,7 @@ from websockets.http11 import Request
 from rostether.errors import TransportOpenError
 from rostether.gateways.websocket.access_rules import AccessRules
 from rostether.gateways.websocket.connection import Connection, ConnectionUser
-from rostether.gateways.websocket.connection_limiter import ConnectionLimiter
+from rostether.gateways.websocket.refusals import Refusals
 from rostether.gateways.websocket.settings import (
     DEFAULT_HOST,
     ConnectionLimits,
@@ -26,6 +26,7 @@ from rostether.gateways.websocket.settings import (
 from rostether.gateways.websocket.site import Site
 from rostether.mechanisms.text import show_endpoint
 from rostether.transports.address import TlsFiles
+from rostether.transports.allow_list import AllowList
 from rostether.transports.own_names import OwnNames
 from rostether.transports.sockets import (
     close_servers,
@@ -80,9 +81,8 @@ class WebSocketServer:
         own_names = OwnNames((settings.host, os.environ.get("ROS_HOSTNAME", "")))
         self.access = AccessRules(settings, protocol, own_names)
         self._settings = settings
-        self._limiter = ConnectionLimiter(
-            settings.allow, limits.clients + limits.others, report_refused, self._make_room
-        )
+        self._allow = AllowList(settings.allow)
+        self._refusals = Refusals(report_refused)
         self._servers: list[asyncio.Server] = []
         self._connections: dict[Connection, asyncio.Transport] = {}
         self._is_closed = False
@@ -142,10 +142,23 @@ class WebSocketServer:
 
     def admit(self, connection: Connection, transport: asyncio.Transport) -> bool:
         """Return whether a connection may stay, and count it."""
-        if self._is_closed or not self._limiter.admit(transport):
+        if self._is_closed:
+            return False
+        if reason := self._admission_refusal(connection):
+            self._refusals.report(transport, reason)
             return False
         self._connections[connection] = transport
         return True
+
+    def _admission_refusal(self, connection: Connection) -> str:
+        host, limit = connection.host, self.limits.clients + self.limits.others
+        if not host:
+            return "it has disconnected"
+        if not connection.is_local and not self._allow.allows(host):
+            return f"{host} is not in the networks of --allow; add it there"
+        if len(self._connections) >= limit and not self._make_room():
+            return f"the limit of open connections ({limit}) is reached; close another one"
+        return ""
 
     def _make_room(self) -> bool:
         """End one connection that is not a WebSocket, and return whether there was one.
@@ -164,8 +177,7 @@ class WebSocketServer:
 
     def forget(self, connection: Connection) -> None:
         """Stop counting a connection that has ended."""
-        if self._connections.pop(connection, None) is not None:
-            self._limiter.release()
+        self._connections.pop(connection, None)
         if not self._connections:
             self._is_empty.set()
 
@@ -212,7 +224,7 @@ class WebSocketServer:
         return reason
 
     def _report_refused(self, connection: Connection, reason: str) -> None:
-        self._limiter.report_refusal(self._connections[connection], reason)
+        self._refusals.report(self._connections[connection], reason)
 
     def _explain(self, port: int, error: OSError) -> TransportOpenError:
         host = self._settings.host
