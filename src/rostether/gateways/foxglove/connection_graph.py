@@ -13,8 +13,12 @@ from typing import Any, TypeAlias
 from rostether.graph.ports import Snapshot
 from rostether.msgdef.interface import MessageType
 
-Table: TypeAlias = dict[str, tuple[str, ...]]
 FindType: TypeAlias = Callable[[str], MessageType | None]
+# {name: (nodes, the type to describe)}
+_Table: TypeAlias = dict[str, tuple[tuple[str, ...], str]]
+
+_PUBLISHED, _SUBSCRIBED, _OFFERED = "publishedTopics", "subscribedTopics", "advertisedServices"
+_NODES = {_PUBLISHED: "publisherIds", _SUBSCRIBED: "subscriberIds", _OFFERED: "providerIds"}
 
 
 class ConnectionGraph:
@@ -25,70 +29,52 @@ class ConnectionGraph:
 
     def __init__(self, find_type: FindType) -> None:
         self._find_type = find_type
-        self._published: Table = {}
-        self._subscribed: Table = {}
-        self._types: dict[str, str] = {}
-        self._offered: Table = {}
+        self._tables: dict[str, _Table] = {key: {} for key in _NODES}
 
     def update(self, snapshot: Snapshot) -> dict[str, Any] | None:
         """Return the changes since the last update, None if there are none."""
-        published = {each.name: each.publishers for each in snapshot.topics.values() if each.publishers}
-        subscribed = {each.name: each.subscribers for each in snapshot.topics.values() if each.subscribers}
-        offered = {each.name: each.providers for each in snapshot.services.values() if each.providers}
-        types = {name: snapshot.topics[name].type for name in subscribed if name not in published}
-        newly_typed = {
-            name: nodes for name, nodes in subscribed.items() if types.get(name) != self._types.get(name)
-        }
-        self._types = types
-        changes = self._changes(
-            _new(self._published, published),
-            newly_typed | _new(self._subscribed, subscribed),
-            _new(self._offered, offered),
-            # A topic is removed on both sides; the same message lists again what one side still has.
-            sorted((self._published.keys() | self._subscribed.keys()) - published.keys() - subscribed.keys()),
-            sorted(self._offered.keys() - offered.keys()),
+        topics, services = snapshot.topics.values(), snapshot.services.values()
+        before, now = (
+            self._tables,
+            {
+                _PUBLISHED: {each.name: (each.publishers, "") for each in topics if each.publishers},
+                _SUBSCRIBED: {
+                    each.name: (each.subscribers, "" if each.publishers else each.type)
+                    for each in topics
+                    if each.subscribers
+                },
+                _OFFERED: {each.name: (each.providers, "") for each in services if each.providers},
+            },
         )
-        # A topic that has lost one side gets an empty list there.
-        changes["publishedTopics"] += _emptied(self._published, published, subscribed, "publisherIds")
-        changes["subscribedTopics"] += _emptied(self._subscribed, subscribed, published, "subscriberIds")
-        self._published, self._subscribed, self._offered = published, subscribed, offered
+        self._tables = now
+        changes = {
+            key: [
+                self._entry(key, name, *each) for name, each in table.items() if before[key].get(name) != each
+            ]
+            for key, table in now.items()
+        }
+        known = now[_PUBLISHED].keys() | now[_SUBSCRIBED].keys()
+        # A topic that has lost one side gets an empty list there. It is removed when both sides have ended.
+        for key in (_PUBLISHED, _SUBSCRIBED):
+            lost = sorted(before[key].keys() - now[key].keys())
+            changes[key] += [self._entry(key, name, (), "") for name in lost if name in known]
+        removed: dict[str, Any] = {
+            "removedTopics": sorted((before[_PUBLISHED].keys() | before[_SUBSCRIBED].keys()) - known),
+            "removedServices": sorted(before[_OFFERED].keys() - now[_OFFERED].keys()),
+        }
+        changes |= removed
         return changes if any(changes.values()) else None
 
     def whole(self) -> dict[str, Any]:
         """Return the whole graph, for a new client."""
-        return self._changes(self._published, self._subscribed, self._offered, [], [])
-
-    def _changes(
-        self,
-        published: Table,
-        subscribed: Table,
-        offered: Table,
-        removed_topics: list[str],
-        removed_services: list[str],
-    ) -> dict[str, Any]:
-        return {
-            "publishedTopics": [
-                {"name": name, "publisherIds": list(nodes)} for name, nodes in published.items()
-            ],
-            "subscribedTopics": [
-                {"name": name, "subscriberIds": list(nodes), **self._schema(name)}
-                for name, nodes in subscribed.items()
-            ],
-            "advertisedServices": [
-                {"name": name, "providerIds": list(nodes)} for name, nodes in offered.items()
-            ],
-            "removedTopics": removed_topics,
-            "removedServices": removed_services,
+        entries = {
+            key: [self._entry(key, name, *each) for name, each in table.items()]
+            for key, table in self._tables.items()
         }
+        return {**entries, "removedTopics": [], "removedServices": []}
 
-    def _schema(self, topic: str) -> dict[str, str]:
-        message_type = self._find_type(self._types[topic]) if topic in self._types else None
-        return {"schemaName": message_type.name, "schema": message_type.definition} if message_type else {}
-
-
-def _new(before: Table, now: Table) -> Table:
-    return {name: nodes for name, nodes in now.items() if before.get(name) != nodes}
-
-
-def _emptied(before: Table, now: Table, other_side: Table, key: str) -> list[dict[str, Any]]:
-    return [{"name": name, key: []} for name in sorted(before.keys() - now.keys()) if name in other_side]
+    def _entry(self, key: str, name: str, nodes: tuple[str, ...], type_name: str) -> dict[str, Any]:
+        entry: dict[str, Any] = {"name": name, _NODES[key]: list(nodes)}
+        if type_name and (found := self._find_type(type_name)) is not None:
+            entry |= {"schemaName": found.name, "schema": found.definition}
+        return entry
