@@ -60,7 +60,7 @@ def expand_xacro(file: Path, mappings: Mapping[str, str], *, packages: Mapping[s
         _check_file(file)
     except OSError as error:
         raise RobotModelError(read_failure(file, error)) from error
-    with _packages_found(xacro, packages), _bounded(xacro, file):
+    with _bounded(xacro, file, _find_in(packages)):
         try:
             document = xacro.process_file(str(file), mappings=dict(mappings))
         except RobotModelError:
@@ -95,11 +95,8 @@ def _xacro(file: Path) -> Any:
     return xacro
 
 
-@contextmanager
-def _packages_found(xacro: Any, packages: Mapping[str, Path]) -> Iterator[None]:
-    # xacro finds packages with the ament index of ROS 2, which is not installed.
-    arguments = xacro.substitution_args
-    before = arguments._eval_find
+def _find_in(packages: Mapping[str, Path]) -> Callable[[str], str]:
+    """Return the function for $(find): xacro's own needs the ament index of ROS 2, which is not installed."""
 
     def find(name: str) -> str:
         folder = packages.get(name)
@@ -111,11 +108,7 @@ def _packages_found(xacro: Any, packages: Mapping[str, Path]) -> Iterator[None]:
             )
         return str(folder)
 
-    arguments._eval_find = arguments._eval_dict["find"] = find
-    try:
-        yield
-    finally:
-        arguments._eval_find = arguments._eval_dict["find"] = before
+    return find
 
 
 def _explain(file: Path, xacro: Any, error: Exception) -> str:
@@ -130,8 +123,8 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
 
 
 @contextmanager
-def _bounded(xacro: Any, file: Path) -> Iterator[None]:
-    """Make xacro raise RobotModelError or OverflowError beyond the limits during the block."""
+def _bounded(xacro: Any, file: Path, find: Callable[[str], str]) -> Iterator[None]:
+    """In the block, make xacro use `find`, and raise RobotModelError or OverflowError beyond the limits."""
     counter, evaluate = _Counter(xacro, file), PythonEvaluator().evaluate
     symbols, arguments = xacro._global_symbols, xacro.substitution_args
     load_yaml = _load_yaml(xacro)
@@ -144,6 +137,8 @@ def _bounded(xacro: Any, file: Path) -> Iterator[None]:
         (vars(xacro), "re_macro_arg", macro_argument),
         (vars(xacro), "safe_eval", evaluate),
         (vars(arguments), "eval", evaluate),
+        (vars(arguments), "_eval_find", find),
+        (arguments._eval_dict, "find", find),
         (symbols, "load_yaml", load_yaml),
         (symbols["xacro"], "load_yaml", load_yaml),
         (symbols["xacro"], "tokenize", _tokenize(xacro.tokenize)),
