@@ -11,11 +11,10 @@ from rostether.gateways.websocket.site import INDEX, FindFile, Site, Tiles
 
 PAGE = Path(__file__).parent / "page"
 
-
 AUTHORITY_FILE = "authority.crt"
-PAGE_FILE = "certificate.html"
+TRUST_PAGE_FILE = "certificate.html"
 
-_PAGE = """<!doctype html>
+_TRUST_PAGE = """<!doctype html>
 <html lang="en">
   <head>
     <meta charset="utf-8">
@@ -65,5 +64,5 @@ def load_page(
 
 def authority_files(authority: Path, host: str) -> dict[str, bytes]:
     """Return the files to serve with the page: the authority's certificate, and how to install it."""
-    page = _PAGE.format(host=html.escape(host), file=AUTHORITY_FILE)
-    return {AUTHORITY_FILE: authority.read_bytes(), PAGE_FILE: page.encode()}
+    page = _TRUST_PAGE.format(host=html.escape(host), file=AUTHORITY_FILE)
+    return {AUTHORITY_FILE: authority.read_bytes(), TRUST_PAGE_FILE: page.encode()}

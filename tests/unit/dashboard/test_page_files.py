@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from websockets.datastructures import Headers
 
-from rostether.dashboard.page_files import AUTHORITY_FILE, PAGE, PAGE_FILE, authority_files, load_page
+from rostether.dashboard.page_files import AUTHORITY_FILE, PAGE, TRUST_PAGE_FILE, authority_files, load_page
 from rostether.errors import ConfigError
 
 
@@ -31,6 +31,6 @@ def test_the_certificate_and_how_to_install_it(tmp_path: Path) -> None:
     authority.write_bytes(b"certificate")
     files = authority_files(authority, "<robot>")
     assert files[AUTHORITY_FILE] == b"certificate"
-    page = files[PAGE_FILE].decode()
+    page = files[TRUST_PAGE_FILE].decode()
     assert "Trust &lt;robot&gt;" in page
     assert f'href="/{AUTHORITY_FILE}"' in page

@@ -102,7 +102,7 @@ async def _served_at(
     report: Report,
 ) -> AsyncIterator[Dashboard]:
     from rostether.dashboard.map_tiles import MapTiles
-    from rostether.dashboard.page_files import PAGE_FILE
+    from rostether.dashboard.page_files import TRUST_PAGE_FILE
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.dashboard_parts import DashboardParts
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
@@ -172,7 +172,8 @@ async def _served_at(
                 report(Level.INFO, f"Dashboard, view only: {view_url}")
             if encryption.authority is not None:
                 report(
-                    Level.INFO, f"Browsers warn until a device trusts this machine; see {page}/{PAGE_FILE}"
+                    Level.INFO,
+                    f"Browsers warn until a device trusts this machine; see {page}/{TRUST_PAGE_FILE}",
                 )
             for view, view_url in zip(settings.views, view_urls, strict=True):
                 report(Level.INFO, f"Dashboard, {view.panel or 'overview'}: {view_url}")
