@@ -17,8 +17,7 @@ from pathlib import Path
 from fuzz.grammar import near
 from fuzz.lowering import lowered
 from rostether.gateways.foxglove import client as client_module
-from rostether.gateways.foxglove.dashboard_parts import DashboardParts
-from rostether.gateways.foxglove.gateway import FoxgloveGateway
+from rostether.gateways.foxglove.gateway import DashboardParts, FoxgloveGateway
 from rostether.gateways.foxglove.server_messages import StatusLevel
 from rostether.gateways.foxglove.settings import FoxgloveLimits, FoxgloveSettings
 from rostether.gateways.websocket.access_rules import Rights

@@ -104,7 +104,7 @@ async def _served_at(
     from rostether.dashboard.map_tiles import MapTiles
     from rostether.dashboard.page_files import TRUST_PAGE_FILE
     from rostether.dashboard.recordings import Recordings
-    from rostether.gateways.foxglove.dashboard_parts import DashboardParts
+    from rostether.gateways.foxglove.gateway import DashboardParts
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
     from rostether.mechanisms.anonymous import anonymous_name
     from rostether.recording.files import Form, create_recording

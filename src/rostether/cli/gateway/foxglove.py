@@ -51,8 +51,7 @@ from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
     from rostether.cli.gateway.options import GatewayOptions
-    from rostether.gateways.foxglove.dashboard_parts import DashboardParts
-    from rostether.gateways.foxglove.gateway import FoxgloveGateway
+    from rostether.gateways.foxglove.gateway import DashboardParts, FoxgloveGateway
     from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
     from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph

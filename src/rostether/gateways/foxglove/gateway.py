@@ -13,8 +13,10 @@ from __future__ import annotations
 import asyncio
 import socket
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Self
+
+from msgspec import Struct
 
 from rostether.errors import RostetherError
 from rostether.gateways.foxglove import server_messages as replies
@@ -22,10 +24,9 @@ from rostether.gateways.foxglove.assets import Assets, FindPackages
 from rostether.gateways.foxglove.channels import Channels
 from rostether.gateways.foxglove.client import Client
 from rostether.gateways.foxglove.connection_graph import ConnectionGraph
-from rostether.gateways.foxglove.dashboard_parts import DashboardParts
 from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.parameters import Parameters
-from rostether.gateways.foxglove.recordings import RecordingReports
+from rostether.gateways.foxglove.recordings import RecordingControl, RecordingReports
 from rostether.gateways.foxglove.server_messages import AdvertisedService, Channel, StatusLevel
 from rostether.gateways.foxglove.services import FindServiceType, Services
 from rostether.gateways.foxglove.settings import FoxgloveSettings
@@ -36,11 +37,13 @@ from rostether.gateways.websocket.access_rules import Rights
 from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ServedProtocol
+from rostether.gateways.websocket.site import Site
 from rostether.graph.ports import Graph, Level
 from rostether.mechanisms.block_end import BlockClosable
 from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore
+from rostether.transports.web_boards import WebBoards
 
 _TIME_CAPABILITY = "time"
 # View-only clients may still read parameters.
@@ -63,6 +66,28 @@ _SERIAL_PATH = "/serial"
 
 # The WebSocket close code after which clients reconnect.
 _SERVICE_RESTART = 1012
+
+
+class DashboardParts(Struct, frozen=True):
+    """The optional parts of a gateway.
+
+    `site` has the files to serve. `join_teleop` makes the node of clients that drive. `recordings` records
+    for clients. `boards` are boards on serial ports of the devices that show the page.
+    """
+
+    site: Site | None = None
+    join_teleop: Callable[[], Awaitable[Graph]] | None = None
+    recordings: RecordingControl | None = None
+    boards: WebBoards | None = None
+
+    def metadata(self, rights: Rights) -> dict[str, str]:
+        """Return the metadata about the parts for a client with `rights`."""
+        features = ["drive"] if self.join_teleop is not None and rights is Rights.FULL else []
+        if self.recordings is not None:
+            features.append("record")
+        if self.boards is not None and rights is Rights.FULL:
+            features.append("serial")
+        return {"rights": rights.value, "features": ",".join(features)}
 
 
 class FoxgloveGateway(BlockClosable):
@@ -162,11 +187,8 @@ class FoxgloveGateway(BlockClosable):
         client = Client(self.context, connection, self._clients.pop, rights)
         self._clients[client] = None
         context, settings = self.context, self.context.settings
-        capabilities = [
-            each
-            for each in settings.capabilities
-            if rights is Rights.FULL or each not in _CAPABILITIES_TO_ACT
-        ]
+        withheld = () if rights is Rights.FULL else _CAPABILITIES_TO_ACT
+        capabilities = [each for each in settings.capabilities if each not in withheld]
         if context.clock.is_simulated:
             capabilities.append(_TIME_CAPABILITY)
         send = client.sender.send

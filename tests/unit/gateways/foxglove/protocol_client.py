@@ -15,8 +15,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosedError
 from websockets.typing import Subprotocol
 
-from rostether.gateways.foxglove.dashboard_parts import DashboardParts
-from rostether.gateways.foxglove.gateway import FoxgloveGateway
+from rostether.gateways.foxglove.gateway import DashboardParts, FoxgloveGateway
 from rostether.gateways.foxglove.recordings import RecordingControl
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket.site import Site
