@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Container, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property
 
 from msgspec import Struct
 
@@ -56,7 +57,7 @@ class Joint(Struct, frozen=True):
     mimic: Mimic | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RobotModel:
     """A tree of links; links and joints are in the order of the file.
 
@@ -68,19 +69,22 @@ class RobotModel:
     links: tuple[str, ...]
     joints: dict[str, Joint]
     problems: tuple[str, ...] = ()
-    _below: dict[str, list[Joint]] = field(default_factory=dict, repr=False, compare=False)
 
-    @property
+    @cached_property
     def mimics(self) -> dict[str, Mimic]:
         """The joints that follow others, by name."""
         return {name: joint.mimic for name, joint in self.joints.items() if joint.mimic is not None}
 
     def joints_below(self, link: str) -> list[Joint]:
         """Return the joints whose parent is a link, sorted by name."""
-        if not self._below:
-            for _, joint in sorted(self.joints.items()):
-                self._below.setdefault(joint.parent, []).append(joint)
         return self._below.get(link, [])
+
+    @cached_property
+    def _below(self) -> dict[str, list[Joint]]:
+        below: dict[str, list[Joint]] = {}
+        for _, joint in sorted(self.joints.items()):
+            below.setdefault(joint.parent, []).append(joint)
+        return below
 
 
 def mimic_chain(
