@@ -18,7 +18,7 @@ from rostether.gateways.shared_subscriptions import (
     SharedSubscriptions,
 )
 from rostether.gateways.type_names import short_type
-from rostether.graph.ports import Snapshot, TopicEntry
+from rostether.graph.ports import Snapshot
 from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_TYPE, MessageType
 from rostether.msgdef.registry import Registry
@@ -67,7 +67,11 @@ class Channels:
             for info in snapshot.topics.values()
             if info.publishers and self._offered.includes(info.name)
         }
-        gone = [topic for topic in self._names if topic not in listed or self._has_changed(listed[topic])]
+        gone = [
+            topic
+            for topic, known in self._names.items()
+            if topic not in listed or listed[topic].type not in (ANY_TYPE, known)
+        ]
         for topic in gone:
             del self._names[topic]
             self._learned.discard(topic)
@@ -116,9 +120,6 @@ class Channels:
     async def close(self) -> None:
         """Stop learning types."""
         await cancel_all(*self._learning.values())
-
-    def _has_changed(self, topic: TopicEntry) -> bool:
-        return topic.type not in (ANY_TYPE, self._names[topic.name])
 
     def _add(self, topic: str, message_type: MessageType) -> Channel:
         channel = Channel(self._next_id, topic, message_type)

@@ -14,7 +14,7 @@ from rostether.gateways.foxglove.data_outlet import DataOutlet
 from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.settings import FoxgloveLimits
-from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
+from rostether.gateways.shared_subscriptions import Batch, SharedSubscription
 from rostether.gateways.websocket.connection import Connection
 from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import ANY_MD5SUM
@@ -160,13 +160,12 @@ class Subscription:
     async def _open(self) -> None:
         try:
             self._share = await self._context.shared.subscribe(
-                self.channel.topic, self._send_batch, self._report_publisher
+                self.channel.topic,
+                self._send_batch,
+                lambda connection: self._context.channels.check_publisher(self.channel, connection),
             )
         except RostetherError as error:
             self._report_error(f"cannot subscribe to {self.channel.topic}: {error}")
-
-    def _report_publisher(self, connection: PublisherConnection) -> None:
-        self._context.channels.check_publisher(self.channel, connection)
 
     def _send_batch(self, batch: Batch) -> None:
         # Clients would decode messages of another type incorrectly.

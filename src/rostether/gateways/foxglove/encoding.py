@@ -106,7 +106,7 @@ def _given(node: Node, value: Any) -> Any:
     if isinstance(node, Struct) and isinstance(value, dict):
         return _fields(node, value)
     if isinstance(node, Stamp) and isinstance(value, dict):
-        return _stamp(value)
+        return {_STAMP_FIELDS.get(name, name): each for name, each in value.items()}
     if isinstance(node, Array):
         if node.is_bytes and isinstance(value, str):
             try:
@@ -116,10 +116,6 @@ def _given(node: Node, value: Any) -> Any:
         if isinstance(value, list):
             return [_given(node.element, each) for each in value]
     return value
-
-
-def _stamp(value: dict[str, Any]) -> dict[str, Any]:
-    return {_STAMP_FIELDS.get(name, name): each for name, each in value.items()}
 
 
 def _stamp_fields(stamp: Time | Duration) -> dict[str, int]:

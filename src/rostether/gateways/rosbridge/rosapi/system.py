@@ -99,15 +99,11 @@ def _details(spec: MessageSpec) -> dict[str, Any]:
         "type": spec.full_name,
         "fieldnames": [field.name for field in spec.fields],
         "fieldtypes": [field.type.base for field in spec.fields],
-        "fieldarraylen": [_array_length(field) for field in spec.fields],
+        "fieldarraylen": [(each.type.length or 0) if each.type.is_array else -1 for each in spec.fields],
         "examples": [_example(field) for field in spec.fields],
         "constnames": [constant.name for constant in spec.constants],
         "constvalues": [str(constant.value) for constant in spec.constants],
     }
-
-
-def _array_length(field: Field) -> int:
-    return (field.type.length or 0) if field.type.is_array else -1
 
 
 def _example(field: Field) -> str:
