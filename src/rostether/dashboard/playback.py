@@ -42,6 +42,11 @@ class Playback:
         """Whether a recording is played or paused."""
         return self._task is not None and not self._task.done()
 
+    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
+        """Play a recording, below `PREFIX` or under its own names. Raises the same errors as `start`."""
+        prefix = PREFIX if is_prefixed else ""
+        await self.start(name, PlaySettings(rate=rate, start_s=start_s, prefix=prefix))
+
     async def start(self, name: str, settings: PlaySettings) -> None:
         """Play a recording, after ending the current one. Raises ConfigError, RecordingError, GraphError."""
         if not _MIN_RATE <= settings.rate <= _MAX_RATE:
@@ -59,7 +64,7 @@ class Playback:
             if not started.done():
                 self._task.result()
 
-    def pause(self, *, is_paused: bool) -> None:
+    async def pause(self, *, is_paused: bool) -> None:
         """Pause or continue. Raises ConfigError when nothing is played."""
         if self._player is None or not self.is_active:
             raise ConfigError("nothing is being played; play a recording first")

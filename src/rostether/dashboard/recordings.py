@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rostether.dashboard.playback import PREFIX, Playback
+from rostether.dashboard.playback import Playback
 from rostether.errors import ConfigError, InvalidNameError, RecordingError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
@@ -19,7 +19,6 @@ from rostether.mechanisms.run_until import run_until
 from rostether.mechanisms.tasks import cancel_all
 from rostether.mechanisms.text import write_failure
 from rostether.recording.files import create_recording, dated_name
-from rostether.recording.player import PlaySettings
 from rostether.recording.recorded import RecordingWriter
 from rostether.recording.recorder import Recorder
 from rostether.recording.recording_plan import RecordLimits, TopicChoice
@@ -111,24 +110,6 @@ class Recordings:
                 raise ConfigError("nothing is being recorded; start a recording first")
             await cancel_all(self._task)
             self._report(f"recorded {self._folder / self._name}")
-
-    @property
-    def is_playing(self) -> bool:
-        """Whether a recording is played or paused."""
-        return self.playback.is_active
-
-    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
-        """Play a recording. Raises ConfigError, RecordingError, GraphError."""
-        prefix = PREFIX if is_prefixed else ""
-        await self.playback.start(name, PlaySettings(rate=rate, start_s=start_s, prefix=prefix))
-
-    async def pause(self, *, is_paused: bool) -> None:
-        """Pause the playback, or continue it. Raises ConfigError when nothing is played."""
-        self.playback.pause(is_paused=is_paused)
-
-    async def stop_playing(self) -> None:
-        """End the playback."""
-        await self.playback.stop()
 
     async def state(self) -> Mapping[str, Any]:
         """Return the running recording, the playback and the finished files, as values for JSON."""

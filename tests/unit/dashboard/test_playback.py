@@ -68,7 +68,7 @@ async def test_a_recording_is_played_below_its_prefix(stage: Stage) -> None:
     messages = aiter(listener.messages("/playback/chatter", "std_msgs/String"))
     hearing = asyncio.ensure_future(anext(messages))
     await until_async(lambda: "/playback/chatter" in stage.network.snapshot().topics)
-    await stage.recordings.play(name, 0, 1, is_prefixed=True)
+    await stage.playback.play(name, 0, 1, is_prefixed=True)
     assert (await hearing).data == "one"
     assert (await anext(messages)).data == "two"
     await until_async(lambda: not stage.playback.is_active)
@@ -79,18 +79,18 @@ async def test_a_recording_is_played_below_its_prefix(stage: Stage) -> None:
 async def test_it_is_paused_and_ended(stage: Stage) -> None:
     name = await stage.record()
     with pytest.raises(ConfigError, match="nothing is being played"):
-        stage.playback.pause(is_paused=True)
+        await stage.playback.pause(is_paused=True)
     await stage.playback.start(name, PlaySettings(rate=0.5, starts_paused=True))
     state = stage.playback.state()
     assert state is not None
     assert (state["name"], state["rate"], state["paused"], state["seconds"]) == (name, 0.5, True, 0)
-    stage.playback.pause(is_paused=True)
-    assert stage.recordings.is_playing
+    await stage.playback.pause(is_paused=True)
+    assert stage.playback.is_active
     # Another start replaces it, like a tap on the time line.
     await stage.playback.start(name, PlaySettings(starts_paused=True, prefix="/again"))
     await until_async(lambda: "/again/chatter" in stage.network.snapshot().topics)
     assert "/chatter" not in stage.network.snapshot().topics
-    await stage.recordings.stop_playing()
+    await stage.playback.stop()
     assert not stage.playback.is_active
     assert "/play" not in stage.network.snapshot().nodes
 

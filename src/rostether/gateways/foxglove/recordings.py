@@ -28,8 +28,29 @@ PERIOD_S = 1.0
 MAX_REQUESTS = 4
 
 
+class PlaybackControl(Protocol):
+    """Plays one recording at a time."""
+
+    @property
+    def is_active(self) -> bool:
+        """Whether a recording is played or paused."""
+
+    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
+        """Play a recording from a time, under its own names or below a prefix. Raises RostetherError."""
+
+    async def pause(self, *, is_paused: bool) -> None:
+        """Pause the playback, or continue it. Raises RostetherError."""
+
+    async def stop(self) -> None:
+        """End the playback, if there is one."""
+
+
 class RecordingControl(Protocol):
-    """Records the graph into a folder, and plays from it; one recording at a time."""
+    """Records the graph into a folder, one recording at a time; `playback` plays from it."""
+
+    @property
+    def playback(self) -> PlaybackControl:
+        """The player of the recordings."""
 
     @property
     def is_active(self) -> bool:
@@ -40,19 +61,6 @@ class RecordingControl(Protocol):
 
     async def stop(self) -> None:
         """End the recording, and close its file. Raises RostetherError."""
-
-    @property
-    def is_playing(self) -> bool:
-        """Whether a recording is played or paused."""
-
-    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
-        """Play a recording from a time, under its own names or below a prefix. Raises RostetherError."""
-
-    async def pause(self, *, is_paused: bool) -> None:
-        """Pause the playback, or continue it. Raises RostetherError."""
-
-    async def stop_playing(self) -> None:
-        """End the playback, if there is one."""
 
     async def state(self) -> Mapping[str, Any]:
         """Return the current recording and playback, and the finished files, for JSON."""
@@ -87,14 +95,14 @@ class RecordingReports:
         self._followers.clear()
         if self._task is not None:
             await cancel_all(self._task)
-        await self.control.stop_playing()
+        await self.control.playback.stop()
         if self.control.is_active:
             with contextlib.suppress(RostetherError):
                 await self.control.stop()
 
     @property
     def _is_running(self) -> bool:
-        return self.control.is_active or self.control.is_playing
+        return self.control.is_active or self.control.playback.is_active
 
     async def _keep_reporting(self) -> None:
         is_running = True
@@ -113,11 +121,11 @@ class RecordingReports:
 _CHANGES: Mapping[type[Action], Callable[[RecordingControl, Any], Awaitable[None]]] = {
     StartRecording: lambda control, request: control.start(request.topics, request.format),
     StopRecording: lambda control, _: control.stop(),
-    PlayRecording: lambda control, request: control.play(
+    PlayRecording: lambda control, request: control.playback.play(
         request.name, request.start_s, request.rate, is_prefixed=request.is_prefixed
     ),
-    PausePlayback: lambda control, request: control.pause(is_paused=request.is_paused),
-    StopPlayback: lambda control, _: control.stop_playing(),
+    PausePlayback: lambda control, request: control.playback.pause(is_paused=request.is_paused),
+    StopPlayback: lambda control, _: control.playback.stop(),
 }
 
 

@@ -22,13 +22,33 @@ from waiting import until
 FREE = FoxgloveSettings(port=0)
 
 
+class FakePlayback:
+    """Plays nothing, and stores the requests."""
+
+    def __init__(self, calls: list[object]) -> None:
+        self.is_active = False
+        self._calls = calls
+
+    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
+        self._calls.append((name, start_s, rate, is_prefixed))
+        self.is_active = True
+
+    async def pause(self, *, is_paused: bool) -> None:
+        self._calls.append(is_paused)
+
+    async def stop(self) -> None:
+        if self.is_active:
+            self._calls.append("stop playing")
+        self.is_active = False
+
+
 class FakeRecordings:
     """Records nothing, and stores the requests."""
 
     def __init__(self) -> None:
         self.is_active = False
-        self.is_playing = False
         self.calls: list[object] = []
+        self.playback = FakePlayback(self.calls)
         self.count = 0
 
     async def start(self, topics: Sequence[str], form: str) -> None:
@@ -40,18 +60,6 @@ class FakeRecordings:
     async def stop(self) -> None:
         self.calls.append("stop")
         self.is_active = False
-
-    async def play(self, name: str, start_s: float, rate: float, *, is_prefixed: bool) -> None:
-        self.calls.append((name, start_s, rate, is_prefixed))
-        self.is_playing = True
-
-    async def pause(self, *, is_paused: bool) -> None:
-        self.calls.append(is_paused)
-
-    async def stop_playing(self) -> None:
-        if self.is_playing:
-            self.calls.append("stop playing")
-        self.is_playing = False
 
     async def state(self) -> Mapping[str, Any]:
         self.count += 1
