@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Graph, ParamValue, Watch
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.services import ParameterServices

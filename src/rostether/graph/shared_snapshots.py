@@ -1,4 +1,4 @@
-"""Snapshots of a graph that several callers need at once, and polling of graphs that report no changes."""
+"""Snapshots of a graph that several callers need at once, and a snapshot after each change of a graph."""
 
 from __future__ import annotations
 
@@ -34,6 +34,38 @@ class SharedSnapshots:
             await asyncio.wait([running])
         self._running, self._next = self._next, None
         return await self._take()
+
+
+class ChangeSignal:
+    """Wakes the followers of a graph that reports its changes."""
+
+    def __init__(self) -> None:
+        self._events: set[asyncio.Event] = set()
+
+    def notify(self) -> None:
+        """Wake all followers: the graph has changed."""
+        for event in self._events:
+            event.set()
+
+    async def follow(self, take: Callable[[], Snapshot], closed: asyncio.Event) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot from `take` now and one after each change, until `closed` is set."""
+        event = asyncio.Event()
+        self._events.add(event)
+        waiting = asyncio.ensure_future(closed.wait())
+        waiting.add_done_callback(lambda _: event.set())
+        try:
+            latest = None
+            while not closed.is_set():
+                event.clear()
+                snapshot = take()
+                if snapshot != latest:
+                    latest = snapshot
+                    yield snapshot
+                else:
+                    await event.wait()
+        finally:
+            waiting.cancel()
+            self._events.discard(event)
 
 
 async def poll_snapshots(

@@ -7,8 +7,7 @@ import struct
 from collections.abc import Sequence
 
 from rostether.bridge.reporter import Notices
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.msgdef.registry import Registry
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
 from rostether.rosserial.packets import TopicInfo

@@ -11,8 +11,7 @@ from rostether.bridge.findings.board_health import BoardHealth
 from rostether.bridge.settings import BoardNodes, BridgeSettings
 from rostether.bridge.supervisor import Links, Supervisor
 from rostether.errors import GraphError, InvalidNameError, MasterUnreachableError, TransportOpenError
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.rosserial import topic_id as ids
 from rostether.transports.address import Address

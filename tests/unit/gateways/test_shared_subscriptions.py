@@ -7,8 +7,7 @@ import pytest
 
 from rostether.errors import GraphError, InvalidNameError
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscriptions
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore

@@ -23,8 +23,7 @@ from rostether.graph import joint_handle
 from rostether.graph.joint_graph import JointGraph
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.joint_marks import MARK_TYPE, new_relay_mark
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Graph, Level, ListsClients, ParamValue, ServiceHandler
 from rostether.msgdef.interface import ServiceType
 from rostether.ros2.listed_client import ListedClient

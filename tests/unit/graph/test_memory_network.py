@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from rostether.graph.log_message import LogRecord
-from rostether.graph.memory_network import MemoryNetwork
-from rostether.graph.memory_state import MAX_LOGS
+from rostether.graph.memory_network import MAX_LOGS, MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.rostime import Time
 

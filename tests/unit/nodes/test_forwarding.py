@@ -8,8 +8,7 @@ import pytest
 
 from contract.graphs import STRING, Inbox, string
 from rostether.errors import ConfigError
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.nodes.forwarding import ByteThrottle, MessageThrottle, Select, all_messages, forward
 from waiting import until
 

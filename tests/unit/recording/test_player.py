@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from rostether.errors import RecordingError
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.msgdef.interface import ANY_MESSAGE
 from rostether.msgdef.registry import Registry
 from rostether.recording.bag.reader import BagReader

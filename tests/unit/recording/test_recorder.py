@@ -13,8 +13,7 @@ import pytest
 
 from rostether.errors import GraphError, RecordingError
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Publisher
 from rostether.recording.bag.reader import BagReader
 from rostether.recording.bag.writer import BagWriter

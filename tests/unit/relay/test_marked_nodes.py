@@ -17,7 +17,7 @@ from contract.graphs import (
     string,
 )
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark, new_relay_mark
-from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryGraph
 from rostether.graph.ports import Snapshot
 from rostether.relay import relay as relay_module
 from rostether.relay.relay_filter import ServiceFilter, TopicFilter

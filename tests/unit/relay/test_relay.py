@@ -19,7 +19,7 @@ from contract.graphs import (
     string,
 )
 from rostether.errors import GraphError, ServiceUnavailableError
-from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryGraph
 from rostether.graph.static_transforms import StaticTransforms
 from rostether.msgdef.interface import ServiceType
 from rostether.msgdef.registry import Registry

@@ -10,8 +10,7 @@ import pytest
 import pytest_asyncio
 
 from rostether.errors import GraphError
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Publisher
 from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE
 from rostether.ros2.clock import NodeClock

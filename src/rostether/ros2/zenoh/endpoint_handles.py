@@ -173,7 +173,8 @@ class ZenohEndpoints(Ros2Membership):
 
     def changes(self) -> AsyncIterator[Snapshot]:
         """Yield a snapshot now and one after each change."""
-        return self._session.graph.changes(self._closed)
+        graph = self._session.graph
+        return graph.changed.follow(graph.snapshot, self._closed)
 
     @abstractmethod
     def now(self) -> Time:

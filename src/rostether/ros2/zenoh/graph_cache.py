@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import Callable, Sequence
 
 from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
+from rostether.graph.shared_snapshots import ChangeSignal
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros2.naming import type_of_dds_name
 from rostether.ros2.zenoh.tokens import Token, TokenKind, parse_token
@@ -29,7 +29,7 @@ class GraphCache:
         self._tokens: dict[str, Token] = {}
         self._endpoints: dict[EndpointKey, dict[str, Token]] = {}
         self._listeners: dict[EndpointKey, list[Callable[[], None]]] = {}
-        self._change_events: set[asyncio.Event] = set()
+        self.changed = ChangeSignal()
         self._snapshot: Snapshot | None = None
         # The parts of the last snapshot that are still valid; a change affects only a few of thousands.
         self._node_names: Counter[str] = Counter()
@@ -55,7 +55,7 @@ class GraphCache:
             touched[key] = None
         if not touched:
             return
-        self._report_change()
+        self.changed.notify()
         for key in touched:
             for listener in list(self._listeners.get(key, ())):
                 call_safely(f"listener of {key[1]}", listener)
@@ -65,7 +65,7 @@ class GraphCache:
         if problem != self._problem:
             self._problem = problem
             self._snapshot = None
-            self._report_change()
+            self.changed.notify()
 
     def endpoints(self, kind: TokenKind, name: str) -> list[Token]:
         """Return the tokens of a topic's or service's endpoints of one kind."""
@@ -92,30 +92,6 @@ class GraphCache:
         if self._snapshot is None:
             self._snapshot = self._create_snapshot()
         return self._snapshot
-
-    async def changes(self, closed: asyncio.Event) -> AsyncIterator[Snapshot]:
-        """Yield a snapshot now and one after each change, until `closed` is set."""
-        event = asyncio.Event()
-        self._change_events.add(event)
-        waiting = asyncio.ensure_future(closed.wait())
-        waiting.add_done_callback(lambda _: event.set())
-        try:
-            latest = None
-            while not closed.is_set():
-                event.clear()
-                snapshot = self.snapshot()
-                if snapshot != latest:
-                    latest = snapshot
-                    yield snapshot
-                else:
-                    await event.wait()
-        finally:
-            waiting.cancel()
-            self._change_events.discard(event)
-
-    def _report_change(self) -> None:
-        for event in self._change_events:
-            event.set()
 
     def _add(self, text: str) -> Token | None:
         if text in self._tokens:

@@ -8,7 +8,7 @@ import pytest
 from rostether.bridge.endpoint.service_client import MAX_WAITING_REQUESTS, ServiceClientEndpoint
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import InvalidNameError, ServiceCallError
-from rostether.graph.memory_graph import MemoryGraph
+from rostether.graph.memory_network import MemoryGraph
 from rostether.msgdef.interface import ServiceType
 from rostether.ros2.listed_client import ListedClient
 from rostether.rosserial.events import ServiceRole

@@ -19,8 +19,7 @@ from msgspec.structs import replace
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
 from rostether.device import Device
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.ports.device_book import DeviceBook
 from rostether.ports.devices_toml import parse_devices_toml
 from rostether.ports.known_boards import KnownBoards

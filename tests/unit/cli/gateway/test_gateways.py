@@ -11,8 +11,7 @@ from rostether.cli.gateway.node import NodeNaming
 from rostether.cli.gateway.options import GatewayOptions
 from rostether.cli.gateway.rosbridge import rosbridge_gateway
 from rostether.errors import GraphError, MasterUnreachableError, UnknownTypeError
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore

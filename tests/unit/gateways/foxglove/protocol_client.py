@@ -19,8 +19,7 @@ from rostether.gateways.foxglove.gateway import DashboardParts, FoxgloveGateway
 from rostether.gateways.foxglove.recordings import RecordingControl
 from rostether.gateways.foxglove.settings import FoxgloveSettings
 from rostether.gateways.websocket.site import Site
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry

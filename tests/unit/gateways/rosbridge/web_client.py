@@ -12,8 +12,7 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from rostether.gateways.rosbridge.server import RosbridgeServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry

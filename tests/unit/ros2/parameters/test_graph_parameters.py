@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import ParamValue
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.parameters.services import PARAMETER_EVENTS, ParameterServices

@@ -9,8 +9,7 @@ import pytest
 import pytest_asyncio
 
 from contract.graphs import Inbox
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.ros2.parameters.services import PARAMETER_EVENTS, ParameterServices
 from rostether.ros2.parameters.store import ParameterStore
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, typed_value

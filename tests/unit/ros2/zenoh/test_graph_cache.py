@@ -94,7 +94,7 @@ def test_listeners_are_called_for_their_endpoints_once_per_batch() -> None:
 
 async def test_changes_end_when_the_node_does() -> None:
     graph, closed = GraphCache(), asyncio.Event()
-    changes = graph.changes(closed)
+    changes = graph.changed.follow(graph.snapshot, closed)
     assert (await anext(changes)).nodes == ()
     graph.apply_tokens([(TALKER, True)])
     assert (await anext(changes)).nodes == ("/talker",)

@@ -16,8 +16,7 @@ from rostether.errors import (
 from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
-from rostether.graph.memory_graph import MemoryGraph
-from rostether.graph.memory_network import MemoryNetwork
+from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Snapshot
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.interface import ANY_TYPE
