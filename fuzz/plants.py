@@ -89,7 +89,7 @@ _ALL = (
     Plant(
         "host-control-rate-unlimited",
         "host_link",
-        "rostether.mechanisms.token_bucket",
+        "rostether.mechanisms.rate_limits",
         "admitted = min(count, int(self.room(now_s)))",
         "admitted = count",
     ),

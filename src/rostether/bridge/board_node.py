@@ -16,7 +16,7 @@ from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import RostetherError
 from rostether.graph.ports import Graph, Level
-from rostether.mechanisms.token_bucket import TokenBucket
+from rostether.mechanisms.rate_limits import TokenBucket
 from rostether.ports.settings import NO_SETTINGS, DeviceSettings
 from rostether.rosserial.events import (
     AnnouncementRefused,

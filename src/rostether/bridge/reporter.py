@@ -7,8 +7,7 @@ from typing import Protocol, TypeAlias
 
 from rostether.errors import RostetherError
 from rostether.graph.ports import Level, Report
-from rostether.mechanisms.line_budget import LineBudget
-from rostether.mechanisms.repeat_limiter import RepeatLimiter
+from rostether.mechanisms.rate_limits import LineBudget, RepeatLimiter
 from rostether.mechanisms.text import counted, escape_line
 
 # The length of a line on a terminal; longer log text of a board is complete only in the graph.

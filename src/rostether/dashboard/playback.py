@@ -11,8 +11,7 @@ from typing import Any
 from rostether.errors import ConfigError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
-from rostether.mechanisms.run_until import run_until
-from rostether.mechanisms.tasks import cancel_all
+from rostether.mechanisms.tasks import cancel_all, run_until
 from rostether.recording.files import open_recording
 from rostether.recording.player import Player, PlaySettings
 from rostether.recording.recorded import RecordingReader

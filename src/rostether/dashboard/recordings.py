@@ -15,8 +15,7 @@ from rostether.dashboard.playback import Playback
 from rostether.errors import ConfigError, InvalidNameError, RecordingError, RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph
-from rostether.mechanisms.run_until import run_until
-from rostether.mechanisms.tasks import cancel_all
+from rostether.mechanisms.tasks import cancel_all, run_until
 from rostether.mechanisms.text import write_failure
 from rostether.recording.files import create_recording, dated_name
 from rostether.recording.recorded import RecordingWriter

@@ -1,4 +1,4 @@
-"""An asyncio loop in its own thread, called from the program's threads."""
+"""Asyncio loops in their own threads: for the program's threads, and for work that blocks its loop."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import os
 import threading
 import time
 from collections.abc import Callable, Coroutine
+from contextlib import suppress
+from functools import partial
 from typing import Any, TypeVar
 
 from rostether.errors import GraphError, RostetherError
@@ -130,27 +132,43 @@ async def run_in_thread(function: Callable[[], _T]) -> _T:
 
     Each call has its own thread: handlers may wait for each other, and would block a pool.
     """
-    loop = asyncio.get_running_loop()
-    future: asyncio.Future[_T] = loop.create_future()
-
-    def settle(result: Any, error: BaseException | None) -> None:
-        if future.done():
-            return
-        if error is None:
-            future.set_result(result)
-        else:
-            future.set_exception(error)
+    outcome: concurrent.futures.Future[_T] = concurrent.futures.Future()
+    # A caller that is canceled does not cancel it: the function goes on.
+    outcome.set_running_or_notify_cancel()
 
     def run() -> None:
-        error: Exception | None = None
-        result: Any = None
         try:
-            result = function()
-        except Exception as raised:  # noqa: BLE001 - it belongs to the waiting caller
-            error = raised
-        except BaseException as raised:  # noqa: BLE001 - sys.exit() in a handler ends its thread, not our loop
-            error = RuntimeError(repr(raised))
-        loop.call_soon_threadsafe(settle, result, error)
+            outcome.set_result(function())
+        except Exception as error:  # noqa: BLE001 - it belongs to the waiting caller
+            outcome.set_exception(error)
+        except BaseException as error:  # noqa: BLE001 - sys.exit() in a handler ends its thread, not our loop
+            outcome.set_exception(RuntimeError(repr(error)))
 
     threading.Thread(target=run, daemon=True).start()
-    return await future
+    return await asyncio.wrap_future(outcome)
+
+
+async def in_own_loop(work: Callable[[], Coroutine[Any, Any, _T]]) -> _T:
+    """Await `work()` on an event loop in its own thread; return its result or raise its error.
+
+    When the caller is canceled, so is the work, and the caller waits until it has ended.
+    """
+    outer = asyncio.get_running_loop()
+    started: asyncio.Future[Callable[[], object]] = outer.create_future()
+
+    async def run() -> _T:
+        loop, task = asyncio.get_running_loop(), asyncio.current_task()
+        assert task is not None
+        outer.call_soon_threadsafe(started.set_result, partial(loop.call_soon_threadsafe, task.cancel))
+        return await work()
+
+    thread = asyncio.ensure_future(asyncio.to_thread(asyncio.run, run()))
+    try:
+        return await asyncio.shield(thread)
+    except asyncio.CancelledError:
+        cancel = await started
+        with suppress(RuntimeError):  # it has just ended by itself
+            cancel()
+        # The caller already gets its end as a cancellation.
+        await asyncio.gather(thread, return_exceptions=True)
+        raise

@@ -1,9 +1,9 @@
-"""Starts tasks in the background, cancels tasks, and waits for events."""
+"""Starts tasks in the background, ends work with something else, cancels tasks, and waits for events."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Coroutine
+from collections.abc import Awaitable, Coroutine
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -31,3 +31,20 @@ async def occurs_within(event: asyncio.Event, limit_s: float | None) -> bool:
             return await event.wait()
     except TimeoutError:
         return False
+
+
+async def run_until(work: Awaitable[object], end: Awaitable[object]) -> None:
+    """Run `work` until it is done, or cancel it when `end` is; then both have ended.
+
+    Raises the error of `work`, including one that it raises when canceled.
+    """
+    working = asyncio.ensure_future(work)
+    ending = asyncio.ensure_future(end)
+    try:
+        await asyncio.wait([working, ending], return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        working.cancel()
+        ending.cancel()
+        await asyncio.wait([working, ending])
+        if not working.cancelled():
+            working.result()

@@ -16,8 +16,7 @@ from rostether.errors import ConfigError, RemoteProtocolError
 from rostether.graph.ports import Level, Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
-from rostether.mechanisms.line_budget import LineBudget
-from rostether.mechanisms.repeat_limiter import RepeatLimiter
+from rostether.mechanisms.rate_limits import LineBudget, RepeatLimiter
 from rostether.platform.command_frame import Flags, decode_forward
 from rostether.platform.command_link import CommandReceiver, ReceiverSettings
 from rostether.platform.host_state import read_host, read_signal_dbm

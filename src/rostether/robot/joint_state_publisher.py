@@ -14,7 +14,7 @@ from rostether.graph.node_parameters import NodeParameters, as_number
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
-from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import run_until
 from rostether.robot.joint_states import JointStates, JointStateSettings
 from rostether.robot.robot_description import read_model
 from rostether.robot.robot_model import Mimic, RobotModel

@@ -21,7 +21,7 @@ from msgspec import Struct
 from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
-from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import run_until
 from rostether.robot.tf_topics import tf_publisher, tf_static_publisher, to_message
 from rostether.robot.transform import (
     Quaternion,

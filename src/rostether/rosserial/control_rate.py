@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rostether.mechanisms.token_bucket import TokenBucket
+from rostether.mechanisms.rate_limits import TokenBucket
 from rostether.rosserial import topic_id as ids
 
 

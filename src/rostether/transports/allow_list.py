@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from rostether.errors import ConfigError
-from rostether.mechanisms.repeat_limiter import RepeatLimiter
+from rostether.mechanisms.rate_limits import RepeatLimiter
 
 if TYPE_CHECKING:
     from ipaddress import IPv4Network, IPv6Network

@@ -12,7 +12,7 @@ from rostether.bridge.reporter import (
     shown_line,
 )
 from rostether.graph.ports import Level
-from rostether.mechanisms.repeat_limiter import PERIOD_S
+from rostether.mechanisms.rate_limits import PERIOD_S
 from unit.bridge.doubles import RecordingReporter
 
 

@@ -13,7 +13,7 @@ from rostether.bridge.reporter import Notices
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import TypeMismatchError
 from rostether.graph.ports import Graph
-from rostether.mechanisms.token_bucket import TokenBucket
+from rostether.mechanisms.rate_limits import TokenBucket
 from rostether.ports.settings import NO_SETTINGS, DeviceSettings
 from rostether.rosserial.events import ServiceAnnounced, ServiceRole, TopicAnnounced, TopicRole
 from rostether.serde.store import TypeStore

@@ -15,7 +15,7 @@ from rostether.cli.shell.option_group import COUNT, PATH, NumberRange, add_optio
 from rostether.errors import ConfigError, GraphError, RecordingError
 from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end, task_beside
-from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import run_until
 from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def _files(
 
 async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
     from rostether.mechanisms.anonymous import anonymous_name
-    from rostether.mechanisms.waiting import wait_for_master
+    from rostether.mechanisms.backoff import wait_for_master
 
     name = anonymous_name("record")
     return await wait_for_master(

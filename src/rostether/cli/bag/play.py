@@ -32,7 +32,7 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.block_end import task_beside
-from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import run_until
 from rostether.mechanisms.text import counted, did_you_mean
 from rostether.rostime import NS_PER_S
 

@@ -42,7 +42,7 @@ from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.block_end import task_beside
-from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import run_until
 from rostether.mechanisms.text import counted, misfit_text
 
 if TYPE_CHECKING:

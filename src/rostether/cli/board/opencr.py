@@ -31,7 +31,7 @@ async def start_opencr(
     cannot be built, BoardError if it cannot be started.
     """
     from rostether.firmware.opencr_build import build_for_linux
-    from rostether.mechanisms.own_loop import in_own_loop
+    from rostether.mechanisms.loop_thread import in_own_loop
     from rostether.simulation.opencr.board import OpenCrBoard
     from rostether.simulation.opencr.commands import execute
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.board.console import handling_commands, show_start
 from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, ConfigError, FirmwareError, SketchError
-from rostether.mechanisms.own_loop import in_own_loop
+from rostether.mechanisms.loop_thread import in_own_loop
 from rostether.simulation.qemu import MACHINES
 from rostether.transports.address import ProgramSize
 

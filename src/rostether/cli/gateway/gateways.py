@@ -17,8 +17,8 @@ from rostether.cli.gateway.node import IsLive, NodeNaming, check_free, ros1_live
 from rostether.cli.role.node import node_environment
 from rostether.cli.shell.running import run
 from rostether.graph.ports import JoinGraph, Level
+from rostether.mechanisms.backoff import wait_for_master
 from rostether.mechanisms.loopback import is_loopback
-from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.remap import Arguments
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri
 from rostether.ros1.node.service_probe import look_up, probe_type

@@ -18,7 +18,7 @@ from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
-from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import run_until
 
 if TYPE_CHECKING:
     from rostether.platform.boot.robot_file import Part

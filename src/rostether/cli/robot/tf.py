@@ -28,7 +28,7 @@ from rostether.cli.shell.option_group import (
 from rostether.cli.shell.output import json_option, paint_frame, warn, write_json, write_line, write_result
 from rostether.cli.shell.verbs import verb
 from rostether.errors import TransformError
-from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import run_until
 from rostether.mechanisms.text import escape_line
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_report import format_transform, frame_facts, frame_tree, frames_as_dot

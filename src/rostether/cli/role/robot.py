@@ -13,7 +13,7 @@ from rostether.cli.shell.keys import split_keys, typed_keys
 from rostether.cli.shell.output import warn
 from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
-from rostether.mechanisms.run_until import run_until
+from rostether.mechanisms.tasks import run_until
 from rostether.mechanisms.text import escape_line
 from rostether.names.remap import Arguments
 from rostether.robot.joint_sliders import JointSliders, SliderKey

@@ -10,8 +10,7 @@ from collections.abc import Callable
 from rostether.cli.shell.failures import TRACEBACK_VARIABLE
 from rostether.cli.shell.output import warn
 from rostether.graph.ports import Level
-from rostether.mechanisms.line_budget import LineBudget
-from rostether.mechanisms.repeat_limiter import RepeatLimiter
+from rostether.mechanisms.rate_limits import LineBudget, RepeatLimiter
 from rostether.mechanisms.text import counted, fold_line
 
 _LEVELS = {level.number_in_tens: level for level in Level}

@@ -25,7 +25,7 @@ from rostether.gateways.websocket.settings import ServedProtocol
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Graph, Level, Publisher
-from rostether.mechanisms.line_budget import LineBudget
+from rostether.mechanisms.rate_limits import LineBudget
 from rostether.mechanisms.text import counted
 from rostether.msgdef.search_waiting import definitions_searched
 from rostether.serde.store import TypeStore

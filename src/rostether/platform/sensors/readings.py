@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from rostether.errors import ConfigError, RostetherError
 from rostether.graph.ports import Level
-from rostether.mechanisms.repeat_limiter import RepeatLimiter
+from rostether.mechanisms.rate_limits import RepeatLimiter
 from rostether.platform.sensor_state import SILENT_S
 from rostether.platform.sensors.registered_sensor import RegisteredSensor
 

@@ -18,7 +18,7 @@ from typing import Literal, Self
 
 from rostether.errors import BoardError
 from rostether.mechanisms.block_end import BlockClosable, task_beside
-from rostether.mechanisms.own_loop import in_own_loop
+from rostether.mechanisms.loop_thread import in_own_loop
 from rostether.simulation.simavr.board_events import BoardEvent
 from rostether.simulation.simavr.compile import build_runner
 from rostether.simulation.simavr.kinds import kind_of

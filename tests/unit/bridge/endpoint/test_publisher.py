@@ -10,7 +10,7 @@ from rostether.bridge.endpoint.publisher import HELD_BYTES, PublisherEndpoint
 from rostether.bridge.settings import BridgeSettings
 from rostether.errors import TypeMismatchError
 from rostether.graph.ports import Graph
-from rostether.mechanisms.token_bucket import TokenBucket
+from rostether.mechanisms.rate_limits import TokenBucket
 from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, text, topic_info
 from waiting import until

@@ -11,7 +11,7 @@ import pytest
 
 from rostether.cli.shell.library_logs import show_debug_records, show_library_logs
 from rostether.graph.ports import Level
-from rostether.mechanisms import repeat_limiter
+from rostether.mechanisms import rate_limits
 
 LIBRARY_LOG = logging.getLogger("rostether.ros1")
 ASYNCIO = logging.getLogger("asyncio")
@@ -95,7 +95,7 @@ def test_repeated_records_do_not_fill_the_log(monkeypatch: pytest.MonkeyPatch) -
     assert len([text for text in shown if "accept" in text]) == 1
     # One line of asyncio, and twenty of each of rostether's loggers.
     assert len(shown) == 21
-    monkeypatch.setattr(repeat_limiter, "PERIOD_S", 0.0)
+    monkeypatch.setattr(rate_limits, "PERIOD_S", 0.0)
     ASYNCIO.error("socket.accept() out of system resource\nsocket: %s", 1000)
     assert shown[-1] == "socket.accept() out of system resource socket: 1000"
 

@@ -15,7 +15,7 @@ from rostether.gateways.rosbridge.png_packing import pack_png
 from rostether.gateways.rosbridge.server import RosbridgeServer
 from rostether.gateways.rosbridge.settings import RosbridgeLimits, RosbridgeSettings
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.mechanisms.line_budget import MAX_LINES
+from rostether.mechanisms.rate_limits import MAX_LINES
 from rostether.msgdef.registry import Registry
 from rostether.serde.store import TypeStore
 from unit.gateways.rosbridge.web_client import World, world

@@ -1,6 +1,35 @@
 from __future__ import annotations
 
-from rostether.mechanisms.repeat_limiter import MAX_KINDS, PERIOD_S, RepeatLimiter
+from rostether.mechanisms.rate_limits import (
+    MAX_KINDS,
+    MAX_LINES,
+    PERIOD_S,
+    LineBudget,
+    RepeatLimiter,
+    TokenBucket,
+)
+
+
+def test_admits_a_burst_then_the_rate() -> None:
+    bucket = TokenBucket(2.0, 10, 100.0)
+    assert bucket.admit(4, 100.0) == 4
+    assert bucket.admit(10, 100.0) == 6
+    assert bucket.admit(10, 101.2) == 2
+    assert bucket.admit(10, 101.5) == 1
+
+
+def test_saves_no_more_than_a_burst() -> None:
+    bucket = TokenBucket(2.0, 10, 100.0)
+    assert bucket.room(1000.0) == 10
+    assert bucket.admit(11, 1000.0) == 10
+    assert bucket.room(1000.0) == 0
+
+
+def test_lines_of_a_period_are_limited_and_counted() -> None:
+    budget = LineBudget()
+    assert [budget.admit(100.0) for _ in range(MAX_LINES + 3)] == [0] * MAX_LINES + [None] * 3
+    assert budget.admit(100.0 + PERIOD_S) == 3
+    assert [budget.admit(101.0 + PERIOD_S) for _ in range(MAX_LINES)] == [0] * (MAX_LINES - 1) + [None]
 
 
 def test_one_line_in_each_period() -> None:
