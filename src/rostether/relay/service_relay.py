@@ -6,7 +6,7 @@ import asyncio
 
 from rostether.graph.ports import ServiceServer
 from rostether.msgdef.interface import ANY_TYPE
-from rostether.relay.side import RelaySide
+from rostether.relay.item import RelaySide
 
 
 class ServiceRelay:

@@ -8,7 +8,7 @@ from collections.abc import Container, Mapping, Sequence
 from rostether.graph.ports import Publisher, Subscriber
 from rostether.graph.static_transforms import TRANSFORM_TYPES, StaticTransforms
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
-from rostether.relay.side import RelaySide
+from rostether.relay.item import RelaySide
 
 # How long a slow subscriber on the other side may delay the others, as in the bridge to boards.
 PAUSE_S = 0.1

@@ -15,7 +15,7 @@ from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.listed_client import ListedClient
-from rostether.ros2.parameters.ros2_membership import Ros2Membership
+from rostether.ros2.parameters.graph_parameters import Ros2Membership
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import RclpyPublication
 from rostether.ros2.rclpy.service_client import DISCOVERY_S, SERVICE_POLL_INTERVAL_S, RclpyServiceClient

@@ -6,7 +6,7 @@ import asyncio
 from typing import Any
 
 from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError, TypeMismatchError
-from rostether.ros2.early_conversion import convert
+from rostether.ros2.handover import convert
 from rostether.ros2.rclpy.executor_thread import set_result
 from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy

@@ -10,7 +10,7 @@ from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import Level, ServiceHandler
 from rostether.mechanisms.tasks import cancel_all, start_task
-from rostether.ros2.early_conversion import convert
+from rostether.ros2.handover import convert
 from rostether.ros2.rclpy.executor_thread import NoAnswerError
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode

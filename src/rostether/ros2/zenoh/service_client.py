@@ -11,7 +11,7 @@ import zenoh
 
 from rostether.errors import ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
 from rostether.mechanisms.text import fold_line
-from rostether.ros2.early_conversion import convert
+from rostether.ros2.handover import convert
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, gid_of
 from rostether.ros2.zenoh.shared_session import NodeEntities

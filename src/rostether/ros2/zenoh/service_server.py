@@ -15,8 +15,7 @@ from rostether.errors import RostetherError
 from rostether.graph.callbacks import report_error
 from rostether.graph.ports import ServiceHandler
 from rostether.mechanisms.tasks import cancel_all, start_task
-from rostether.ros2.early_conversion import convert
-from rostether.ros2.handover import Handover
+from rostether.ros2.handover import Handover, convert
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.shared_session import NodeEntities

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.naming import dds_name
-from rostether.ros2.parameters.ros2_membership import Ros2Membership
+from rostether.ros2.parameters.graph_parameters import Ros2Membership
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types, ServiceSupport
 from rostether.ros2.zenoh.graph_cache import GraphCache

@@ -12,9 +12,8 @@ from rostether.errors import SerializationError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnConnection, OnMessages, Report
-from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
 from rostether.ros2.endpoint_info import connection_fields
-from rostether.ros2.handover import Handover, loss_text
+from rostether.ros2.handover import Handover, Received, convert_if_large, loss_text, payload_of
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
