@@ -26,7 +26,7 @@ from rostether.ros2.zenoh.publication import ZenohPublication
 from rostether.ros2.zenoh.service_client import ZenohServiceClient
 from rostether.ros2.zenoh.service_server import ZenohServiceServer
 from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities, SharedSession
-from rostether.ros2.zenoh.subscription import SubscriberCallbacks, ZenohSubscriber
+from rostether.ros2.zenoh.subscription import ZenohSubscriber
 from rostether.ros2.zenoh.tokens import Token, TokenKind
 from rostether.rostime import Time
 
@@ -47,7 +47,7 @@ class ZenohEndpoints(Ros2Membership):
     ) -> None:
         super().__init__(node_name, namespace, remappings)
         self._session = session
-        self._node = NodeEntities(session, node_name)
+        self._node = NodeEntities(session, node_name, self._report)
         self._publications: dict[str, ZenohPublication] = {}
         self._subscribers: set[ZenohSubscriber] = set()
         self._servers: dict[str, ZenohServiceServer] = {}
@@ -74,7 +74,6 @@ class ZenohEndpoints(Ros2Membership):
                 message_type,
                 support,
                 node=self._node,
-                report=self._report,
                 latch=latch,
                 queue_bytes=queue_bytes,
             )
@@ -95,21 +94,15 @@ class ZenohEndpoints(Ros2Membership):
         """
         name = self._resolve_open(topic)
         types = self._session.types
-        callbacks = SubscriberCallbacks(
-            on_messages,
-            options.get("on_connection"),
-            self._subscribers.discard,
-            self._report,
-            partial(learn_type, self, types),
-        )
         subscriber = ZenohSubscriber(
             name,
             None if message_type.name == ANY_TYPE else types.message(message_type),
-            callbacks,
+            on_messages,
+            options,
             node=self._node,
-            own_gids=(lambda: self._own_gids(name)) if options.get("skip_own") else None,
-            skip_nodes=options.get("skip_nodes", ()),
-            one_type=options.get("one_type", False),
+            describe=partial(learn_type, self, types),
+            own_gids=lambda: self._own_gids(name),
+            on_close=self._subscribers.discard,
         )
         self._subscribers.add(subscriber)
         return subscriber
@@ -185,7 +178,7 @@ class ZenohEndpoints(Ros2Membership):
         self._node_token = self._node.declare_node()
         support = self._session.types.message(LOG_TYPE)
         self._rosout = ZenohPublication(
-            ROSOUT, LOG_TYPE, support, node=self._node, report=self._report, latch=True, qos=ROSOUT_QOS
+            ROSOUT, LOG_TYPE, support, node=self._node, latch=True, qos=ROSOUT_QOS
         )
         # Closing a handle to /rosout must not end this publisher.
         self._rosout.handle_count = 1

@@ -11,7 +11,7 @@ from zenoh import ext
 
 from rostether.errors import SerializationError
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
-from rostether.graph.ports import Level, Report
+from rostether.graph.ports import Level
 from rostether.graph.publisher_handle import check_same_type
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.qos import DEFAULT_QOS, LATCHED_QOS, Qos
@@ -49,7 +49,6 @@ class ZenohPublication:
         support: MessageSupport,
         *,
         node: NodeEntities,
-        report: Report,
         latch: bool,
         qos: Qos | None = None,
         queue_bytes: int | None = None,
@@ -61,10 +60,9 @@ class ZenohPublication:
         self._support = support
         self._convert = support.converter.to_cdr
         self._node = node
-        self._report = report
         self._qos = qos or (LATCHED_QOS if latch else DEFAULT_QOS)
         self._key = node.key(topic, support)
-        self._mismatches = Mismatches(topic, support, report)
+        self._mismatches = Mismatches(topic, support, node.report)
         self._sequence = 0
         self._lost_count = 0
         self._queue = PutQueue(
@@ -161,7 +159,7 @@ class ZenohPublication:
         self._lost_count += puts.lost
         if puts.lost and not self._is_loss_reported:
             self._is_loss_reported = True
-            self._report(
+            self._node.report(
                 Level.WARN,
                 f"{self.topic}: a subscriber hangs or is too slow, and messages are lost; find it with ros2"
                 " topic info -v (zenoh does not report which subscriber, or how many messages are lost)",
@@ -222,4 +220,4 @@ class ZenohPublication:
         self._lost_count += count
         if not self._is_refusal_reported:
             self._is_refusal_reported = True
-            self._report(Level.WARN, f"{self.topic}: a message cannot be converted for ROS 2: {error}")
+            self._node.report(Level.WARN, f"{self.topic}: a message cannot be converted for ROS 2: {error}")

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 import zenoh
 from msgspec.structs import replace
 
+from rostether.graph.ports import Report
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.naming import dds_name
 from rostether.ros2.parameters.graph_parameters import Ros2Membership
@@ -86,10 +87,14 @@ class LiveToken:
 
 
 class NodeEntities:
-    """Declares the tokens of one node: one for the node, and one for each of its endpoints."""
+    """Declares the tokens of one node: one for the node, and one for each of its endpoints.
 
-    def __init__(self, session: SharedSession, node_name: str) -> None:
+    `report` logs a line about the node.
+    """
+
+    def __init__(self, session: SharedSession, node_name: str, report: Report) -> None:
         self.session = session
+        self.report = report
         node_id = session.next_id()
         self._token = Token(
             session.domain_id,

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Sequence
 
 import zenoh
-from msgspec import Struct
 from zenoh import ext
 
 from rostether.errors import SerializationError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
-from rostether.graph.ports import Level, OnConnection, OnMessages, Report
+from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.ros2.endpoint_info import connection_fields
 from rostether.ros2.handover import Handover, Received, convert_if_large, loss_text, payload_of
 from rostether.ros2.qos import DEFAULT_QOS, Qos
@@ -27,42 +26,36 @@ from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
 LATCHED_SAMPLES = 1
 
 
-class SubscriberCallbacks(Struct, frozen=True):
-    """The callbacks of a subscription."""
-
-    on_messages: OnMessages
-    on_connection: OnConnection | None
-    on_close: Callable[[ZenohSubscriber], None]
-    report: Report
-    describe: Describe
-
-
 class ZenohSubscriber:
     """Implements `graph.ports.Subscriber`.
 
-    Without `support`, it accepts every type, which it learns from tokens and samples; with `one_type`, only
-    the type of the first publisher. `own_gids` returns the publishers whose messages are omitted, and
-    messages of `skip_nodes` are also omitted.
+    Without `support`, it accepts every type, which it learns from tokens and samples; with the option
+    `one_type`, only the type of the first publisher. `describe` asks nodes for unknown types. `own_gids`
+    returns the publishers of this node.
     """
 
     def __init__(
         self,
         topic: str,
         support: MessageSupport | None,
-        callbacks: SubscriberCallbacks,
+        on_messages: OnMessages,
+        options: SubscribeOptions,
         *,
         node: NodeEntities,
-        own_gids: Callable[[], set[bytes]] | None,
-        skip_nodes: Container[str],
-        one_type: bool,
+        describe: Describe,
+        own_gids: Callable[[], set[bytes]],
+        on_close: Callable[[ZenohSubscriber], None],
     ) -> None:
         self.topic = topic
         self._support = support
-        self._callbacks = callbacks
+        self._on_messages = on_messages
+        self._on_connection = options.get("on_connection")
+        self._on_close = on_close
         self._node = node
-        self._own_gids = own_gids
-        self._skip_nodes = skip_nodes
-        self._accepts_one_type = one_type
+        # None: messages of this node are not omitted.
+        self._own_gids = own_gids if options.get("skip_own") else None
+        self._skip_nodes: Container[str] = options.get("skip_nodes", ())
+        self._accepts_one_type = options.get("one_type", False)
         # The type of the first publisher, if a subscription of any type accepts only one type.
         self._learned_type: MessageSupport | None = None
         # The sender of a sample is looked up only if some nodes are excluded.
@@ -78,7 +71,7 @@ class ZenohSubscriber:
             self._mismatches = None
             key = data_key(node.session.domain_id, topic, "*", "*")
         else:
-            self._mismatches = Mismatches(topic, support, callbacks.report)
+            self._mismatches = Mismatches(topic, support, node.report)
             key = node.key(topic, support)
         self._queue: Handover[tuple[str, bytes, Received]] = Handover(
             self._handle_samples, limit=DEFAULT_QUEUE_BYTES
@@ -86,8 +79,8 @@ class ZenohSubscriber:
         self._types = DescribedTypes(
             topic,
             node.session.types,
-            describe=callbacks.describe,
-            report=callbacks.report,
+            describe=describe,
+            report=node.report,
             on_waiting=self._queue.pause,
             on_found=self._learn,
         )
@@ -133,7 +126,7 @@ class ZenohSubscriber:
         for token in self._tokens.values():
             token.withdraw()
         self._subscriber.undeclare()
-        self._callbacks.on_close(self)
+        self._on_close(self)
 
     def _put(self, sample: zenoh.Sample) -> None:
         # Called in a zenoh thread, or in this one during a publication.
@@ -177,10 +170,10 @@ class ZenohSubscriber:
             except SerializationError as error:
                 self._refuse(error)
         if payloads and not self._is_closed:
-            call_safely(self._what, self._callbacks.on_messages, payloads)
+            call_safely(self._what, self._on_messages, payloads)
         if self._queue.dropped_count and not self._is_loss_reported:
             self._is_loss_reported = True
-            self._callbacks.report(Level.WARN, loss_text(self.topic))
+            self._node.report(Level.WARN, loss_text(self.topic))
 
     @property
     def _accepts_all(self) -> bool:
@@ -208,7 +201,7 @@ class ZenohSubscriber:
             self._declare_token(support)
         if self._accepts_one_type and node_name not in self._skip_nodes:
             self._learned_type = support
-        if self._callbacks.on_connection is not None and not self._is_closed:
+        if self._on_connection is not None and not self._is_closed:
             fields = connection_fields(
                 self.topic,
                 support.ros1_type,
@@ -216,7 +209,7 @@ class ZenohSubscriber:
                 is_latching=qos.is_latching,
                 reliability=qos.reliability.name,
             )
-            call_safely(f"on_connection of {self.topic}", self._callbacks.on_connection, fields)
+            call_safely(f"on_connection of {self.topic}", self._on_connection, fields)
 
     def _of_token(self, token: Token) -> MessageSupport | None:
         if self._support is None:
@@ -256,4 +249,4 @@ class ZenohSubscriber:
     def _refuse(self, error: SerializationError) -> None:
         if not self._is_misfit_reported:
             self._is_misfit_reported = True
-            self._callbacks.report(Level.WARN, f"{self.topic}: a message does not fit its type: {error}")
+            self._node.report(Level.WARN, f"{self.topic}: a message does not fit its type: {error}")
