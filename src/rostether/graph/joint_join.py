@@ -6,8 +6,9 @@ import asyncio
 import contextlib
 import logging
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import aclosing
+from functools import partial
 
 from rostether.errors import GraphError, RostetherError
 from rostether.graph.joint_graph import JointGraph
@@ -39,14 +40,8 @@ class JointJoin:
         self, node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> JointGraph:
         """Join every graph that is reachable now. Raises GraphError if none is, InvalidNameError."""
-
-        async def join(join_one: JoinGraph) -> Graph | GraphError:
-            try:
-                return await join_one(node_name, namespace=namespace, remappings=remappings)
-            except GraphError as error:
-                return error
-
-        results = await asyncio.gather(*map(join, self._joins), return_exceptions=True)
+        joins = [partial(join, node_name, namespace=namespace, remappings=remappings) for join in self._joins]
+        results = await asyncio.gather(*(join() for join in joins), return_exceptions=True)
         graphs = [result for result in results if not isinstance(result, BaseException)]
         wrong = [each for each in results if isinstance(each, BaseException)]
         serious = [each for each in wrong if not isinstance(each, GraphError)]
@@ -59,7 +54,7 @@ class JointJoin:
         for position, result in enumerate(results):
             if isinstance(result, GraphError):
                 _log.warning("%s is not in every graph yet: %s", joint.node_name, result)
-                self._join_later(joint, position, node_name, namespace, remappings)
+                joint.run_until_closed(_join_later(joint, position, joins[position]))
         try:
             await joint.advertise(self._mark, MARK_TYPE)
         except RostetherError as error:
@@ -96,21 +91,12 @@ class JointJoin:
         replace_names(self._relays, set(self._seen.relays))
         replace_names(self._joint_nodes, {*self._own_nodes, *self._seen.joint})
 
-    def _join_later(
-        self,
-        joint: JointGraph,
-        position: int,
-        node_name: str,
-        namespace: str,
-        remappings: Mapping[str, str] | None,
-    ) -> None:
-        async def keep_trying() -> None:
-            backoff = retry_backoff()
-            while True:
-                await asyncio.sleep(backoff.next_delay_s())
-                with contextlib.suppress(GraphError):
-                    graph = await self._joins[position](node_name, namespace=namespace, remappings=remappings)
-                    break
-            await joint.add(graph, position)
 
-        joint.run_until_closed(keep_trying())
+async def _join_later(joint: JointGraph, position: int, join: Callable[[], Awaitable[Graph]]) -> None:
+    backoff = retry_backoff()
+    while True:
+        await asyncio.sleep(backoff.next_delay_s())
+        with contextlib.suppress(GraphError):
+            graph = await join()
+            break
+    await joint.add(graph, position)
