@@ -126,9 +126,8 @@ class MessageStream(Generic[M]):
         message_type = ANY_MESSAGE
         name, registry = self._type_name, self._types.store.registry
         if name is not None:
-            await wait_for_definitions(registry, lambda: registry.message_type(name))
+            message_type = await wait_for_definitions(registry, lambda: registry.message_type(name))
             self._codec = self._types.store.codec(name)
-            message_type = registry.message_type(name)
         subscriber = await self._graph.subscribe(
             self.topic,
             message_type,

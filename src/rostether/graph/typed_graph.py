@@ -67,10 +67,9 @@ class TypedGraph(LogMethods):
 
         Raises UnknownTypeError, InvalidNameError, GraphError.
         """
-        type_name = name_of_type(type_name)
-        await wait_for_definitions(self.store.registry, lambda: self.store.registry.message_type(type_name))
-        codec = self.store.codec(type_name)
-        message_type = self.store.registry.message_type(type_name)
+        name, registry = name_of_type(type_name), self.store.registry
+        message_type = await wait_for_definitions(registry, lambda: registry.message_type(name))
+        codec = self.store.codec(name)
         return TypedPublisher(await self.raw.advertise(topic, message_type, latch=latch), codec, self.raw)
 
     @overload
@@ -118,7 +117,6 @@ class TypedGraph(LogMethods):
         if type_name is not None:
             name, registry = name_of_type(type_name), self.store.registry
             await wait_for_definitions(registry, lambda: registry.message_type(name))
-            registry.message_type(name)
         return CallbackSubscriber(stream, callback)
 
     @overload
@@ -238,8 +236,7 @@ class TypedGraph(LogMethods):
 
     async def _service_type(self, given: str | type[Service[Any, Any]]) -> ServiceType:
         name, registry = name_of_type(given), self.store.registry
-        await wait_for_definitions(registry, lambda: registry.service_type(name))
-        return registry.service_type(name)
+        return await wait_for_definitions(registry, lambda: registry.service_type(name))
 
     def message(self, type_name: str, /, **fields: Any) -> Message:
         """Make a message of any known type. Raises UnknownTypeError, SerializationError."""

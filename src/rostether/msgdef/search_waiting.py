@@ -6,9 +6,12 @@ import asyncio
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
+from typing import TypeVar
 from weakref import WeakKeyDictionary
 
 from rostether.msgdef.registry import Registry
+
+_T = TypeVar("_T")
 
 _searches: WeakKeyDictionary[Registry, Future[None]] = WeakKeyDictionary()
 
@@ -30,10 +33,14 @@ async def definitions_searched(registry: Registry) -> None:
     await wait_for_definitions(registry, registry.packages)
 
 
-async def wait_for_definitions(registry: Registry, query: Callable[[], object]) -> None:
-    """Wait until the registry can answer a query without a search of folders; usually it can already."""
+async def wait_for_definitions(registry: Registry, query: Callable[[], _T]) -> _T:
+    """Return the answer of a query, as soon as it needs no search of folders; usually that is immediately.
+
+    Raises the errors of the query.
+    """
     if not registry.can_answer(query):
         await asyncio.wrap_future(start_search(registry))
+    return query()
 
 
 def _run(registry: Registry, search: Future[None]) -> None:
