@@ -41,35 +41,38 @@ def first_line(error: Exception) -> str:
     return str(error).split("\n", 1)[0][:200]
 
 
+_WRITE_STEPS = {
+    errno.ENOSPC: "free some space on its disk",
+    errno.EDQUOT: "free some space on its disk",
+    errno.EFBIG: "choose a disk that accepts larger files",
+    errno.EISDIR: "give a file in this folder",
+    errno.EEXIST: "choose another name",
+}
+_READ_STEPS = {
+    errno.EACCES: "make it readable for this user",
+    errno.EPERM: "make it readable for this user",
+    errno.EIO: "check its disk",
+    errno.EISDIR: "give a file in this folder",
+}
+
+
 def write_failure(path: object, error: Exception) -> str:
     """Return why a file or folder cannot be written, and the next step."""
-    reason = getattr(error, "strerror", None) or fold_line(str(error))
-    number = getattr(error, "errno", None)
-    step = "choose a writable folder"
+    reason, number = _reason(error)
     # SQLite's errors have no number.
-    if number in (errno.ENOSPC, errno.EDQUOT) or "is full" in reason:
-        step = "free some space on its disk"
-    elif number == errno.EFBIG:
-        step = "choose a disk that accepts larger files"
-    elif number == errno.EISDIR:
-        step = "give a file in this folder"
-    elif number == errno.EEXIST:
-        step = "choose another name"
+    step = _WRITE_STEPS.get(errno.ENOSPC if "is full" in reason else number, "choose a writable folder")
     return f"cannot write {path}: {reason}; {step}"
 
 
 def read_failure(path: object, error: Exception) -> str:
     """Return why a file cannot be read, and the next step."""
+    reason, number = _reason(error)
+    return f"cannot read {path}: {reason}; {_READ_STEPS.get(number, 'check the path')}"
+
+
+def _reason(error: Exception) -> tuple[str, int]:
     reason = getattr(error, "strerror", None) or fold_line(str(error))
-    number = getattr(error, "errno", None)
-    step = "check the path"
-    if number in (errno.EACCES, errno.EPERM):
-        step = "make it readable for this user"
-    elif number == errno.EIO:
-        step = "check its disk"
-    elif number == errno.EISDIR:
-        step = "give a file in this folder"
-    return f"cannot read {path}: {reason}; {step}"
+    return reason, getattr(error, "errno", None) or 0
 
 
 def counted(number: int, noun: str) -> str:
