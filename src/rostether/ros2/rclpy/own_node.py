@@ -99,23 +99,26 @@ class OwnNode:
         """Log a line about this node from the executor's thread."""
         self.thread.call_in_loop(self.report, level, text)
 
-    def create_for_topic(
-        self, what: str, topic: str, type_name: str, function: Callable[[], _Result]
+    def create(
+        self,
+        what: str,
+        type_name: str,
+        function: Callable[[], _Result],
+        types_in_use: Callable[[], list[str]],
     ) -> _Result:
-        """Create an endpoint of a topic in the executor's thread.
+        """Create an endpoint in the executor's thread.
 
+        `types_in_use` returns the types of its topic or service, for the error if another type is in use.
         Raises GraphError and its subclasses, InvalidNameError.
         """
-        return self._create(what, type_name, function, lambda: self.topic_types(topic))
-
-    def create_for_service(
-        self, what: str, service: str, type_name: str, function: Callable[[], _Result]
-    ) -> _Result:
-        """Create an endpoint of a service in the executor's thread.
-
-        Raises GraphError and its subclasses, InvalidNameError.
-        """
-        return self._create(what, type_name, function, lambda: self.service_types(service))
+        try:
+            return attempt(what, function)
+        except TypeMismatchError as error:
+            others = " and ".join(sorted(set(types_in_use()) - {type_name})) or "another type"
+            raise TypeMismatchError(
+                f"cannot {what} as {type_name}: this process already uses it as {others}"
+                ", and this middleware allows only one type per name; choose another name, or use zenoh"
+            ) from error
 
     def topic_types(self, topic: str) -> list[str]:
         """Return the types of a topic; call it in the executor's thread."""
@@ -151,19 +154,3 @@ class OwnNode:
                     f"one ({installed[:_SHOWN_HASH]}..., not {support.type_hash[:_SHOWN_HASH]}...); give its "
                     "folder with --msg-path, or set ROS_DISTRO to the distribution that is installed"
                 )
-
-    def _create(
-        self,
-        what: str,
-        type_name: str,
-        function: Callable[[], _Result],
-        types_in_use: Callable[[], list[str]],
-    ) -> _Result:
-        try:
-            return attempt(what, function)
-        except TypeMismatchError as error:
-            others = " and ".join(sorted(set(types_in_use()) - {type_name})) or "another type"
-            raise TypeMismatchError(
-                f"cannot {what} as {type_name}: this process already uses it as {others}"
-                ", and this middleware allows only one type per name; choose another name, or use zenoh"
-            ) from error

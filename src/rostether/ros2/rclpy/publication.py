@@ -58,9 +58,8 @@ class RclpyPublication:
             incompatible_qos=self._explain_mismatch, use_default_callbacks=False
         )
         type_class = interface_class(self.support.name)
-        self._publisher = self._own.create_for_topic(
+        self._publisher = self._own.create(
             f"publish {self.topic}",
-            self.topic,
             self.support.name,
             lambda: self._own.node.create_publisher(
                 type_class,
@@ -69,6 +68,7 @@ class RclpyPublication:
                 callback_group=self._own.group,
                 event_callbacks=events,
             ),
+            lambda: self._own.topic_types(self.topic),
         )
         try:
             self._own.check_definition(self._own.node.get_publishers_info_by_topic(self.topic), self.support)

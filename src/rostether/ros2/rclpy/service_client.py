@@ -39,13 +39,13 @@ class RclpyServiceClient:
         Raises GraphError and its subclasses, UnknownTypeError.
         """
         type_class = interface_class(self._support.name)
-        self._client = self._own.create_for_service(
+        self._client = self._own.create(
             f"call {self.service}",
-            self.service,
             self._support.name,
             lambda: self._own.node.create_client(
                 type_class, self.service, qos_profile=service_profile(), callback_group=self._own.group
             ),
+            lambda: self._own.service_types(self.service),
         )
 
     def end(self) -> None:

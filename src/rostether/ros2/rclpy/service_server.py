@@ -57,9 +57,8 @@ class RclpyServiceServer:
                 raise NoAnswerError
             return deserialize(cdr, type_class.Response)
 
-        self._entity = self._own.create_for_service(
+        self._entity = self._own.create(
             f"offer the service {self.service}",
-            self.service,
             self._support.name,
             lambda: self._own.node.create_service(
                 type_class,
@@ -68,6 +67,7 @@ class RclpyServiceServer:
                 qos_profile=service_profile(),
                 callback_group=self._own.group,
             ),
+            lambda: self._own.service_types(self.service),
         )
 
     async def close(self) -> None:

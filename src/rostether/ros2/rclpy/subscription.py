@@ -179,9 +179,8 @@ class RclpySubscriber:
             self._receive_rest(subscription, [(message, info)])
 
         type_class = interface_class(support.name)
-        subscription = self._subscription = self._own.create_for_topic(
+        subscription = self._subscription = self._own.create(
             f"subscribe to {self.topic}",
-            self.topic,
             support.name,
             lambda: self._own.node.create_subscription(
                 type_class,
@@ -192,6 +191,7 @@ class RclpySubscriber:
                 event_callbacks=self._event_callbacks(),
                 raw=True,
             ),
+            lambda: self._own.topic_types(self.topic),
         )
         self._quality = quality
         try:
