@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 from rostether.errors import DefinitionError, UnknownTypeError
 from rostether.msgdef.interface import ANY_MD5SUM, MessageType, ServiceType
@@ -16,14 +16,13 @@ from rostether.ros2.types.type_support import (
     MessageSupport,
     Ros2Types,
     ServiceSupport,
+    SupportT,
     native_message,
     native_service,
 )
 from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.type_tree import Array, Node, Struct
 from rostether.serde.values import Message, MessageClasses
-
-SupportT = TypeVar("SupportT", MessageSupport, ServiceSupport)
 
 
 class NativeTypes(Ros2Types):

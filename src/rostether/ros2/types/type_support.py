@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
+from typing import TypeVar
 
 from msgspec import Struct
 
@@ -65,6 +67,9 @@ def native_service(ros2: Ros2Service, definitions: Ros2Definitions | PairedDefin
         response.converter,
         ServiceType(f"{ros2.package}/{ros2.name}", md5sum, request.message_type, response.message_type),
     )
+
+
+SupportT = TypeVar("SupportT", MessageSupport, ServiceSupport)
 
 
 class Ros2Types:
@@ -132,7 +137,9 @@ class Ros2Types:
         """
         support = self._by_name.get(name)
         if support is None:
-            support = self._paired(name) or native_message(self.definitions.message(name), self.definitions)
+            support = _named(
+                name, lambda: self.message(self.registry.message_type(ros1_message_name(name)))
+            ) or native_message(self.definitions.message(name), self.definitions)
             self._by_name[name] = support
         return support
 
@@ -147,7 +154,9 @@ class Ros2Types:
         """Return a ROS 2 service like `by_name`. Raises the same errors."""
         support = self._services_by_name.get(name)
         if support is None:
-            support = self._paired_service(name) or self._native_service(name)
+            support = _named(
+                name, lambda: self.service(self.registry.service_type(ros1_service_name(name)))
+            ) or self._native_service(name)
             self._services_by_name[name] = support
         return support
 
@@ -168,20 +177,6 @@ class Ros2Types:
 
     def _definitions_of(self, message_type: MessageType) -> PairedDefinitions:
         return PairedDefinitions(self._source(message_type), self.definitions)
-
-    def _paired(self, name: str) -> MessageSupport | None:
-        try:
-            support = self.message(self.registry.message_type(ros1_message_name(name)))
-        except (DefinitionError, TypeMismatchError):
-            return None
-        return support if support.name == name else None
-
-    def _paired_service(self, name: str) -> ServiceSupport | None:
-        try:
-            support = self.service(self.registry.service_type(ros1_service_name(name)))
-        except (DefinitionError, TypeMismatchError):
-            return None
-        return support if support.name == name else None
 
     def _native_service(self, name: str) -> ServiceSupport:
         support = self._native_services.get(name)
@@ -210,3 +205,12 @@ class Ros2Types:
         for message in (request, response):
             learned.add_full_text(message.name, message.definition)
         return learned
+
+
+def _named(name: str, find: Callable[[], SupportT]) -> SupportT | None:
+    """Return the support of a ROS 1 type, if its counterpart in ROS 2 has this name."""
+    try:
+        support = find()
+    except (DefinitionError, TypeMismatchError):
+        return None
+    return support if support.name == name else None
