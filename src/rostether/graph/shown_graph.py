@@ -38,9 +38,16 @@ def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool =
 
     Raises UnknownNameError for a name that is not in the graph.
     """
-    nodes = [each for each in snapshot.nodes if with_hidden or not _is_hidden_node(each)]
-    topics = [each for each in snapshot.topics.values() if with_hidden or not _is_hidden_topic(each.name)]
-    services = [each for each in snapshot.services.values() if with_hidden or not _is_hidden_service(each)]
+    nodes, topics = list(snapshot.nodes), list(snapshot.topics.values())
+    services = list(snapshot.services.values())
+    if not with_hidden:
+        nodes = [each for each in nodes if each not in _HIDDEN_NODES and not is_hidden(each)]
+        topics = [each for each in topics if each.name not in _HIDDEN_TOPICS and not is_hidden(each.name)]
+        services = [
+            each
+            for each in services
+            if each.name.rpartition("/")[2] not in _NODE_SERVICES and not is_hidden(each.name)
+        ]
     wanted = ["/" + name.strip("/") for name in names]
     known = [*nodes, *(topic.name for topic in topics)]
     for name in wanted:
@@ -113,18 +120,6 @@ def as_digraph(shown: ShownGraph, *, nodes_only: bool = False) -> Digraph:
         edges += [Edge(f"node {each}", key) for each in topic.publishers]
         edges += [Edge(key, f"node {each}") for each in topic.subscribers]
     return Digraph(vertices, edges)
-
-
-def _is_hidden_node(name: str) -> bool:
-    return name in _HIDDEN_NODES or is_hidden(name)
-
-
-def _is_hidden_topic(name: str) -> bool:
-    return name in _HIDDEN_TOPICS or is_hidden(name)
-
-
-def _is_hidden_service(service: ServiceEntry) -> bool:
-    return service.name.rpartition("/")[2] in _NODE_SERVICES or is_hidden(service.name)
 
 
 def _is_in(name: str, namespaces: Iterable[str]) -> bool:
