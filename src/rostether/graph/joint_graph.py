@@ -28,6 +28,7 @@ from rostether.graph.joint_handles import (
     JointWatch,
 )
 from rostether.graph.joint_snapshot import follow_changes, follow_each, merge_snapshots
+from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import (
     Graph,
     Level,
@@ -45,7 +46,7 @@ HandleT = TypeVar("HandleT", bound=JointHandle[Any])
 ResultT = TypeVar("ResultT")
 
 
-class JointGraph:
+class JointGraph(NodeMembership):
     """A `graph.ports.Graph` over others, the most important first; all are closed with it.
 
     `joint_nodes` are the names of all nodes in the same graphs: only the first graph delivers their messages.
@@ -57,14 +58,11 @@ class JointGraph:
     ) -> None:
         self._graphs = list(graphs)
         self._first = self._graphs[0]
-        self.node_name = self._first.node_name
+        super().__init__(self._first.node_name, "/", {})
         self._joint_nodes = joint_nodes
         self._relays = relays
         self._handles: list[JointHandle[Any]] = []
         self._joined = asyncio.Event()
-        self._closed = asyncio.Event()
-        self._reason = ""
-        self._closing: asyncio.Task[None] | None = None
         self._watching = {asyncio.ensure_future(self._watch_closed(graph)) for graph in self._graphs}
         self._background: set[asyncio.Task[None]] = set()
 
@@ -195,21 +193,8 @@ class JointGraph:
         """Yield a snapshot of each graph now and after each change in any of them."""
         return follow_each(lambda: self._graphs, self._joined, self._closed)
 
-    async def close(self, reason: str = "closed") -> None:
-        """Leave every graph. Idempotent."""
-        if self._closing is None:
-            self._reason = self._reason or reason
-            self._closing = asyncio.ensure_future(self._close())
-        await asyncio.shield(self._closing)
-
-    async def wait_closed(self) -> str:
-        """Wait until the node has left one of the graphs, by `close` or by a request; return the reason."""
-        await self._closed.wait()
-        return self._reason
-
     async def _open(self, handle: HandleT) -> HandleT:
-        if self._closing is not None:
-            raise GraphError(f"node {self.node_name} has left the graph; join again")
+        self._check_open()
         # The handle is listed before it opens, so that a graph that joins in the meantime finds it.
         self._handles = [*self._open_handles(), handle]
         try:
@@ -255,12 +240,11 @@ class JointGraph:
             self._reason = self._reason or reason
             self._closed.set()
 
-    async def _close(self) -> None:
+    async def _end(self) -> None:
         await cancel_all(*self._watching, *self._background)
         for handle in self._open_handles():
             handle.stop()
         results = await asyncio.gather(*(graph.close() for graph in self._graphs), return_exceptions=True)
-        self._closed.set()
         for result in results:
             if isinstance(result, BaseException):
                 raise result

@@ -45,7 +45,7 @@ class NodeMembership(ABC):
 
     def _start_close(self, reason: str) -> asyncio.Task[None]:
         if self._closing is None:
-            self._reason = reason
+            self._reason = self._reason or reason
             self._closing = asyncio.ensure_future(self._close())
         return self._closing
 
