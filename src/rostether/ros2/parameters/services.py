@@ -69,23 +69,6 @@ class ParameterServices:
         self._events.publish_raw([rcl_interfaces().codec("ParameterEvent").encode(event)])
 
 
-def _describe(store: ParameterStore, request: Message) -> Mapping[str, Any]:
-    return {
-        "descriptors": [
-            {"name": name, "type": int(store.get(name).type), "dynamic_typing": True}
-            for name in request.names
-        ]
-    }
-
-
-def _get(store: ParameterStore, request: Message) -> Mapping[str, Any]:
-    return {"values": [store.get(name).to_fields() for name in request.names]}
-
-
-def _get_types(store: ParameterStore, request: Message) -> Mapping[str, Any]:
-    return {"types": bytes(store.get(name).type for name in request.names)}
-
-
 def _list(store: ParameterStore, request: Message) -> Mapping[str, Any]:
     names = [name for name in store.declared_names() if _is_listed(name, request.prefixes, request.depth)]
     prefixes = dict.fromkeys(name.rpartition(DOT)[0] for name in names)
@@ -106,14 +89,6 @@ def _is_listed(name: str, prefixes: list[str], depth: int) -> bool:
     )
 
 
-def _set(store: ParameterStore, request: Message) -> Mapping[str, Any]:
-    return {"results": [_apply(store, [parameter]) for parameter in request.parameters]}
-
-
-def _set_atomically(store: ParameterStore, request: Message) -> Mapping[str, Any]:
-    return {"result": _apply(store, request.parameters)}
-
-
 def _apply(store: ParameterStore, parameters: list[Message]) -> Mapping[str, Any]:
     try:
         store.apply({each.name: value_of_message(each.value) for each in parameters})
@@ -126,11 +101,32 @@ def _parameters(values: Mapping[str, TypedValue]) -> list[Mapping[str, Any]]:
     return [{"name": name, "value": value.to_fields()} for name, value in values.items()]
 
 
+# The type and the answer of each service.
 _SERVICES: dict[str, tuple[str, Answer]] = {
-    "describe_parameters": ("DescribeParameters", _describe),
-    "get_parameter_types": ("GetParameterTypes", _get_types),
-    "get_parameters": ("GetParameters", _get),
+    "describe_parameters": (
+        "DescribeParameters",
+        lambda store, request: {
+            "descriptors": [
+                {"name": name, "type": int(store.get(name).type), "dynamic_typing": True}
+                for name in request.names
+            ]
+        },
+    ),
+    "get_parameter_types": (
+        "GetParameterTypes",
+        lambda store, request: {"types": bytes(store.get(name).type for name in request.names)},
+    ),
+    "get_parameters": (
+        "GetParameters",
+        lambda store, request: {"values": [store.get(name).to_fields() for name in request.names]},
+    ),
     "list_parameters": ("ListParameters", _list),
-    "set_parameters": ("SetParameters", _set),
-    "set_parameters_atomically": ("SetParametersAtomically", _set_atomically),
+    "set_parameters": (
+        "SetParameters",
+        lambda store, request: {"results": [_apply(store, [each]) for each in request.parameters]},
+    ),
+    "set_parameters_atomically": (
+        "SetParametersAtomically",
+        lambda store, request: {"result": _apply(store, request.parameters)},
+    ),
 }
