@@ -61,5 +61,5 @@ def _check(messages: list[Ros2Message], name: str, type_hash: str) -> None:
     """Check that the descriptions are complete and have the requested hash."""
     source = Ros2Definitions(bundled=False)
     source.add(messages)
-    if not source.has(name) or rihs01(source.message(name), source) != type_hash:
+    if not source.has(name) or rihs01(source.message(name), source.message) != type_hash:
         raise DefinitionError(f"it does not describe {name} with the hash {type_hash}")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, Protocol
 
 from rostether.errors import DefinitionError
@@ -64,7 +64,7 @@ def message_hash(message: Ros2Message, definitions: HashSource) -> str:
     """
     if definitions.distro in _DISTROS_WITHOUT_HASHES:
         return TYPE_HASH_NOT_SUPPORTED
-    return rihs01(message, definitions)
+    return rihs01(message, definitions.message)
 
 
 def service_hash(service: Ros2Service, definitions: HashSource) -> str:
@@ -72,7 +72,8 @@ def service_hash(service: Ros2Service, definitions: HashSource) -> str:
     if definitions.distro in _DISTROS_WITHOUT_HASHES:
         return TYPE_HASH_NOT_SUPPORTED
     whole, *below = service_messages(service)
-    return rihs01(whole, _WithParts({each.full_name: each for each in below}, definitions))
+    parts = {each.full_name: each for each in below}
+    return rihs01(whole, lambda name: parts.get(name) or definitions.message(name))
 
 
 def service_messages(service: Ros2Service) -> tuple[Ros2Message, ...]:
@@ -88,9 +89,12 @@ def service_messages(service: Ros2Service) -> tuple[Ros2Message, ...]:
     return whole, service.request, service.response, event
 
 
-def rihs01(message: Ros2Message, definitions: MessageSource) -> str:
-    """Return a message's hash, regardless of the distribution. Raises the same errors as `message_hash`."""
-    below = sorted(dependencies(message, definitions.message), key=lambda each: each.full_name)
+def rihs01(message: Ros2Message, lookup: Callable[[str], Ros2Message]) -> str:
+    """Return a message's hash, regardless of the distribution; `lookup` returns nested messages.
+
+    Raises the same errors as `message_hash`.
+    """
+    below = sorted(dependencies(message, lookup), key=lambda each: each.full_name)
     text = json.dumps(
         {
             "type_description": describe(message),
@@ -129,17 +133,6 @@ def event_message(service: Ros2Service) -> Ros2Message:
             Ros2Field(Ros2Type(service.response.full_name, is_array=True, bound=1), "response"),
         ),
     )
-
-
-class _WithParts:
-    """Definitions that also contain the parts of one service."""
-
-    def __init__(self, parts: dict[str, Ros2Message], definitions: MessageSource) -> None:
-        self._parts = parts
-        self._definitions = definitions
-
-    def message(self, name: str) -> Ros2Message:
-        return self._parts.get(name) or self._definitions.message(name)
 
 
 def describe(message: Ros2Message) -> dict[str, Any]:

@@ -39,7 +39,7 @@ PUBLISHED = {
 
 def hash_of(name: str, definitions: Ros2Definitions) -> str:
     if name.endswith("_Event"):
-        return rihs01(event_message(definitions.service(name.removesuffix("_Event"))), definitions)
+        return rihs01(event_message(definitions.service(name.removesuffix("_Event"))), definitions.message)
     if name.endswith(("_SendGoal", "_GetResult")):
         return service_hash(definitions.service(name), definitions)
     if "/srv/" in name and not name.endswith(("_Request", "_Response")):
@@ -82,7 +82,7 @@ def test_only_names_and_types_change_the_hash() -> None:
     definitions = Ros2Definitions()
 
     def hashed(text: str) -> str:
-        return rihs01(parse_message(text, package="x", name="Foo"), definitions)
+        return rihs01(parse_message(text, package="x", name="Foo"), definitions.message)
 
     plain = hashed("int8 a\n")
     assert hashed("# a comment\nint8 B=1\nint8 a 3\n") == plain
