@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from rostether.errors import UnknownNameError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ParamValue
+from rostether.names.graph_name import is_in_namespace
 
 
 class MemoryParameters:
@@ -88,7 +89,7 @@ class MemoryParameters:
 
     def _changed(self, name: str) -> None:
         for watch in self._watches:
-            if _is_at_or_below(watch.name, name) or _is_at_or_below(name, watch.name):
+            if is_in_namespace(watch.name, name) or is_in_namespace(name, watch.name):
                 asyncio.get_running_loop().call_soon(watch.call)
 
 
@@ -120,10 +121,6 @@ class MemoryWatch:
 
 def _parts(name: str) -> list[str]:
     return [part for part in name.split("/") if part]
-
-
-def _is_at_or_below(name: str, tree: str) -> bool:
-    return (name.rstrip("/") + "/").startswith(tree.rstrip("/") + "/")
 
 
 def _leaves(prefix: str, tree: dict[str, ParamValue]) -> Iterator[str]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from rostether.names.graph_name import namespace_of
+from rostether.names.graph_name import is_in_namespace, namespace_of
 
 DOT = "."
 
@@ -30,12 +30,11 @@ def locate(full_name: str, nodes: Iterable[str], own_node: str) -> ParameterPath
 
     A name that is not below any node is a parameter of `own_node`.
     """
-    above = [node for node in (*nodes, own_node) if _is_below(full_name, node) or full_name == node]
+    above = [node for node in (*nodes, own_node) if is_in_namespace(full_name, node)]
     if above:
         node = max(above, key=len)
         return ParameterPath(node, _dotted(full_name[len(node) :]))
-    namespace = namespace_of(own_node)
-    inside = full_name[len(namespace) :] if _is_below(full_name, namespace) else full_name
+    inside = full_name.removeprefix(namespace_of(own_node).rstrip("/") + "/")
     return ParameterPath(own_node, _dotted(inside))
 
 
@@ -51,7 +50,3 @@ def name_parts(name: str) -> list[str]:
 
 def _dotted(name: str) -> str:
     return DOT.join(name_parts(name))
-
-
-def _is_below(name: str, namespace: str) -> bool:
-    return name.startswith(namespace if namespace.endswith("/") else f"{namespace}/")

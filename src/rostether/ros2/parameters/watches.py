@@ -9,6 +9,7 @@ from collections.abc import Awaitable, Callable, Sequence
 from rostether.errors import GraphError, SerializationError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import Graph, ParamValue, Subscriber
+from rostether.names.graph_name import is_in_namespace
 from rostether.ros2.parameters.services import PARAMETER_EVENTS
 from rostether.ros2.parameters.store import Changes, OwnParameters
 from rostether.ros2.rcl_interfaces import rcl_interfaces
@@ -73,7 +74,8 @@ class Ros2ParameterWatches:
                 continue  # Not a message of the topic's type.
         nodes.discard(self._graph.node_name)
         for watch in self._watches:
-            if any(_concerns(node, watch.name) for node in nodes):
+            # The name of a watch may be that of a node, of one of its parameters, or of a namespace above it.
+            if any(is_in_namespace(watch.name, each) or is_in_namespace(each, watch.name) for each in nodes):
                 watch.refresh_soon()
 
 
@@ -137,11 +139,3 @@ class Ros2ParameterWatch:
     def _report_value(self) -> None:
         if not self._is_closed:
             call_safely(f"on_change of parameter {self.name}", self._on_change, self._latest)
-
-
-def _concerns(node: str, name: str) -> bool:
-    """Return whether an event of a node may concern a name.
-
-    It may if the name is that of the node, of one of its parameters, or of a namespace above the node.
-    """
-    return name == node or name.startswith(f"{node}/") or node.startswith(name.rstrip("/") + "/")
