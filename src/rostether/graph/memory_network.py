@@ -9,9 +9,8 @@ from typing import Unpack
 
 from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, LogRecord, encode_log
+from rostether.graph.memory_endpoints import MemoryPublisher, MemoryServiceServer, MemorySubscriber
 from rostether.graph.memory_parameters import MemoryParameters, MemoryWatch
-from rostether.graph.memory_services import MemoryServiceServer
-from rostether.graph.memory_topics import MemoryPublisher, MemorySubscriber
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import (
     NAME_TAKEN,

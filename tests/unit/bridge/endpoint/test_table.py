@@ -15,8 +15,8 @@ from rostether.bridge.findings.finding import Code
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.settings import DEFAULT_SETTINGS
 from rostether.errors import GraphError
+from rostether.graph.memory_endpoints import MemoryPublisher
 from rostether.graph.memory_network import MemoryGraph
-from rostether.graph.memory_topics import MemoryPublisher
 from rostether.msgdef.interface import MessageType
 from rostether.rosserial.events import (
     ServiceRole,
