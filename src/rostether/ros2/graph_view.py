@@ -64,25 +64,31 @@ def one_or_all(types: list[str]) -> str | list[str]:
 
 def as_snapshot(view: GraphView) -> Snapshot:
     """Return all nodes, topics and services of a view, including hidden ones."""
+    nodes: dict[tuple[EndpointKind, str], set[str]] = {}
+    topics: dict[str, set[str]] = {}
+    services: dict[str, set[str]] = {}
+    for each in view.endpoints:
+        nodes.setdefault((each.kind, each.name), set()).add(each.node_name)
+        types = topics if each.kind in TOPIC_KINDS else services
+        types.setdefault(each.name, set()).add(each.type)
+
+    def nodes_of(kind: EndpointKind, name: str) -> tuple[str, ...]:
+        return tuple(sorted(nodes.get((kind, name), ())))
+
     return Snapshot(
         tuple(sorted(set(view.nodes))),
         {
             name: TopicEntry(
                 name,
-                " ".join(view.types(TOPIC_KINDS, name)),
-                _nodes(view, EndpointKind.PUBLISHER, name),
-                _nodes(view, EndpointKind.SUBSCRIPTION, name),
+                " ".join(sorted(topics[name])),
+                nodes_of(EndpointKind.PUBLISHER, name),
+                nodes_of(EndpointKind.SUBSCRIPTION, name),
             )
-            for name in view.names(TOPIC_KINDS, with_hidden=True)
+            for name in sorted(topics)
         },
         {
-            name: ServiceEntry(
-                name, _nodes(view, EndpointKind.SERVER, name), " ".join(view.types(SERVICE_KINDS, name))
-            )
-            for name in view.names([EndpointKind.SERVER], with_hidden=True)
+            name: ServiceEntry(name, nodes_of(EndpointKind.SERVER, name), " ".join(sorted(services[name])))
+            for name in sorted(services)
+            if (EndpointKind.SERVER, name) in nodes
         },
     )
-
-
-def _nodes(view: GraphView, kind: EndpointKind, name: str) -> tuple[str, ...]:
-    return tuple(sorted({endpoint.node_name for endpoint in view.of(kind, name)}))

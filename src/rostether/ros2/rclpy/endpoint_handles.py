@@ -27,7 +27,7 @@ from rostether.ros2.types.type_support import ServiceSupport
 # How often subscribers search for new publishers if rclpy does not report them; users do not notice 0.2 s.
 PUBLISHER_POLL_INTERVAL_S = 0.2
 
-# How often types are compared. A user does not notice 2 s, and the checks of a hundred boards need 3 % of a CPU.
+# How often types are compared; users do not notice 2 s, and the checks of a hundred boards need 3 % of a CPU.
 CHECK_INTERVAL_S = 2.0
 
 
@@ -223,7 +223,7 @@ class RclpyEndpoints(Ros2Membership):
 
 
 class TypeConflicts:
-    """Reports endpoints of other nodes that use a topic with another type: neither DDS nor rclpy reports them.
+    """Reports endpoints of other nodes with another type of a topic, which neither DDS nor rclpy reports.
 
     Each conflict is reported once, and again if it ends and returns.
     """

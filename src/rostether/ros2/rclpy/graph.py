@@ -13,7 +13,7 @@ from rostether.ros2.rclpy.endpoint_handles import RclpyEndpoints
 from rostether.ros2.rclpy.installation import rclpy_distribution
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.own_parameters import RclpyParameters
-from rostether.ros2.rclpy.view import POLL_INTERVAL_S, UNKNOWN_NODE, ask_node, full_name, take_snapshot
+from rostether.ros2.rclpy.view import POLL_INTERVAL_S, ask_nodes, node_name_of, take_snapshot
 from rostether.rostime import Time
 
 
@@ -68,7 +68,11 @@ class RclpyGraph(RclpyEndpoints):
 
 def list_endpoints(node: Any) -> list[EndpointInfo]:
     """Return all endpoints of topics and services; call it in the executor's thread."""
-    return [*_topic_ends(node), *_service_ends(node)]
+    queries = (
+        (EndpointKind.SERVER, node.get_service_names_and_types_by_node),
+        (EndpointKind.CLIENT, node.get_client_names_and_types_by_node),
+    )
+    return [*_topic_ends(node), *ask_nodes(node, queries)]
 
 
 def _topic_ends(node: Any) -> Iterator[EndpointInfo]:
@@ -78,9 +82,9 @@ def _topic_ends(node: Any) -> Iterator[EndpointInfo]:
             (EndpointKind.SUBSCRIPTION, node.get_subscriptions_info_by_topic),
         ):
             for info in ask(topic):
-                if info.node_name != UNKNOWN_NODE:
+                if node_name := node_name_of(info):
                     yield EndpointInfo(
-                        full_name(info.node_name, info.node_namespace),
+                        node_name,
                         kind,
                         topic,
                         info.topic_type,
@@ -88,19 +92,6 @@ def _topic_ends(node: Any) -> Iterator[EndpointInfo]:
                         bytes(info.endpoint_gid),
                         _report(info.qos_profile),
                     )
-
-
-def _service_ends(node: Any) -> Iterator[EndpointInfo]:
-    for name, namespace in node.get_node_names_and_namespaces():
-        if name == UNKNOWN_NODE:
-            continue
-        for kind, ask in (
-            (EndpointKind.SERVER, node.get_service_names_and_types_by_node),
-            (EndpointKind.CLIENT, node.get_client_names_and_types_by_node),
-        ):
-            for service, types in ask_node(ask, name, namespace):
-                for type_name in types:
-                    yield EndpointInfo(full_name(name, namespace), kind, service, type_name)
 
 
 def _report(profile: Any) -> QosReport:

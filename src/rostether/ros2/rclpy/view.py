@@ -5,10 +5,12 @@ rclpy does not report changes of the graph, so it is polled; each poll costs abo
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
+from rostether.graph.ports import Snapshot
+from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
+from rostether.ros2.graph_view import GraphView, as_snapshot
 
 # Users do not notice this delay, and a hundred nodes need 1 % of a CPU.
 POLL_INTERVAL_S = 0.5
@@ -31,42 +33,13 @@ def node_name_of(endpoint: Any) -> str:
 
 def take_snapshot(node: Any) -> Snapshot:
     """Return all nodes, topics and services; call it in the executor's thread."""
-    names = sorted(
-        (namespace, name) for name, namespace in node.get_node_names_and_namespaces() if name != UNKNOWN_NODE
+    names = [full_name(name, namespace) for name, namespace in _nodes(node)]
+    queries = (
+        (EndpointKind.PUBLISHER, node.get_publisher_names_and_types_by_node),
+        (EndpointKind.SUBSCRIPTION, node.get_subscriber_names_and_types_by_node),
+        (EndpointKind.SERVER, node.get_service_names_and_types_by_node),
     )
-    types: dict[str, set[str]] = {}
-    publishers: dict[str, set[str]] = {}
-    subscribers: dict[str, set[str]] = {}
-    providers: dict[str, set[str]] = {}
-    service_types: dict[str, set[str]] = {}
-    for namespace, name in names:
-        node_name = full_name(name, namespace)
-        for table, ask in (
-            (publishers, node.get_publisher_names_and_types_by_node),
-            (subscribers, node.get_subscriber_names_and_types_by_node),
-        ):
-            for topic, type_names in ask_node(ask, name, namespace):
-                table.setdefault(topic, set()).add(node_name)
-                types.setdefault(topic, set()).update(type_names)
-        for service, type_names in ask_node(node.get_service_names_and_types_by_node, name, namespace):
-            providers.setdefault(service, set()).add(node_name)
-            service_types.setdefault(service, set()).update(type_names)
-    return Snapshot(
-        nodes=tuple(sorted({full_name(name, namespace) for namespace, name in names})),
-        topics={
-            topic: TopicEntry(
-                topic,
-                " ".join(sorted(types[topic])),
-                tuple(sorted(publishers.get(topic, ()))),
-                tuple(sorted(subscribers.get(topic, ()))),
-            )
-            for topic in sorted(types)
-        },
-        services={
-            service: ServiceEntry(service, tuple(sorted(nodes)), " ".join(sorted(service_types[service])))
-            for service, nodes in sorted(providers.items())
-        },
-    )
+    return as_snapshot(GraphView(names, list(ask_nodes(node, queries))))
 
 
 def offered_types(node: Any, service: str) -> list[str]:
@@ -74,17 +47,26 @@ def offered_types(node: Any, service: str) -> list[str]:
 
     rclpy's list of all services also contains clients, so each node is asked.
     """
-    types: set[str] = set()
-    for name, namespace in node.get_node_names_and_namespaces():
-        types.update(
-            dict(ask_node(node.get_service_names_and_types_by_node, name, namespace)).get(service, ())
-        )
-    return sorted(types)
+    servers = ask_nodes(node, [(EndpointKind.SERVER, node.get_service_names_and_types_by_node)])
+    return sorted({each.type for each in servers if each.name == service})
 
 
-def ask_node(query: Callable[[str, str], Any], name: str, namespace: str) -> Any:
-    """Return the result of a query about a node; empty if the node has disappeared since it was listed."""
-    try:
-        return query(name, namespace)
-    except Exception:  # noqa: BLE001 - rclpy's error has several names
-        return ()
+def ask_nodes(
+    node: Any, queries: Sequence[tuple[EndpointKind, Callable[[str, str], Any]]]
+) -> Iterator[EndpointInfo]:
+    """Yield the endpoints that all nodes have, with rclpy's query for each kind, but without details."""
+    for name, namespace in _nodes(node):
+        node_name = full_name(name, namespace)
+        for kind, query in queries:
+            try:
+                found = query(name, namespace)
+            except Exception:  # noqa: BLE001, S112 - rclpy's error has several names
+                # The node has disappeared since it was listed.
+                continue
+            for endpoint, types in found:
+                for type_name in types:
+                    yield EndpointInfo(node_name, kind, endpoint, type_name)
+
+
+def _nodes(node: Any) -> list[tuple[str, str]]:
+    return [each for each in node.get_node_names_and_namespaces() if each[0] != UNKNOWN_NODE]
