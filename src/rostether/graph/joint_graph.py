@@ -22,18 +22,20 @@ from rostether.errors import (
 from rostether.graph.joint_handle import JointHandle
 from rostether.graph.joint_handles import (
     JointPublisher,
-    JointServiceClient,
     JointServiceServer,
     JointSubscriber,
     JointWatch,
+    UnlistedClient,
 )
 from rostether.graph.joint_snapshot import follow_changes, follow_each, merge_snapshots
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import (
     Graph,
     Level,
+    ListsClients,
     OnMessages,
     ParamValue,
+    ServiceClient,
     ServiceHandler,
     Snapshot,
     SubscribeOptions,
@@ -131,9 +133,16 @@ class JointGraph(NodeMembership):
             InvalidNameError,
         )
 
-    async def list_client(self, service: str, service_type: ServiceType) -> JointServiceClient:
+    async def list_client(self, service: str, service_type: ServiceType) -> ServiceClient:
         """List this node as a client of a service, in all graphs that list clients."""
-        return await self._open(JointServiceClient(self.resolve(service), service_type))
+        name = self.resolve(service)
+
+        async def list_in(graph: Graph) -> ServiceClient:
+            if isinstance(graph, ListsClients):
+                return await graph.list_client(name, service_type)
+            return UnlistedClient()
+
+        return await self._open(JointHandle(f"client of {name}", list_in))
 
     async def get_param(self, name: str) -> ParamValue:
         """Return a parameter's value from the first graph that has it. Raises UnknownNameError."""

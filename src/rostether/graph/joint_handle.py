@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from typing import Any, Generic, TypeAlias, TypeVar
 
@@ -33,18 +32,18 @@ PartT = TypeVar("PartT", bound=Closable)
 _Trial: TypeAlias = "asyncio.Task[RostetherError | None]"
 
 
-class JointHandle(ABC, Generic[PartT]):
-    """One handle in several graphs: `parts` are the handles that are open, by graph."""
+class JointHandle(Generic[PartT]):
+    """One handle in several graphs: `parts` are the handles that are open, by graph.
 
-    def __init__(self, what: str) -> None:
+    `open_in` opens the handle in one graph.
+    """
+
+    def __init__(self, what: str, open_in: Callable[[Graph], Awaitable[PartT]]) -> None:
         self.parts: dict[Graph, PartT] = {}
         self.is_closed = False
         self._what = what
+        self._open_in = open_in
         self._tasks: set[asyncio.Task[Any]] = set()
-
-    @abstractmethod
-    async def _open(self, graph: Graph) -> PartT:
-        """Open the handle in one graph."""
 
     async def open(self, graphs: Sequence[Graph]) -> None:
         """Open the handle in every graph that accepts it. Raises the graphs' errors if none does."""
@@ -97,7 +96,7 @@ class JointHandle(ABC, Generic[PartT]):
 
     async def _try(self, graph: Graph) -> RostetherError | None:
         try:
-            part = await self._open(graph)
+            part = await self._open_in(graph)
         except RostetherError as error:
             return error
         if self.is_closed:

@@ -9,11 +9,9 @@ from rostether.graph.callbacks import call_safely
 from rostether.graph.joint_handle import JointHandle
 from rostether.graph.ports import (
     Graph,
-    ListsClients,
     OnMessages,
     ParamValue,
     Publisher,
-    ServiceClient,
     ServiceHandler,
     ServiceServer,
     SubscribeOptions,
@@ -31,7 +29,7 @@ class JointPublisher(JointHandle[Publisher]):
     ) -> None:
         self.topic = topic
         self.type = message_type
-        super().__init__(topic)
+        super().__init__(topic, self._advertise)
         self._latch = latch
         self._latched: bytes | None = None
         self._queue_bytes = queue_bytes
@@ -59,7 +57,7 @@ class JointPublisher(JointHandle[Publisher]):
         """Wait until all backlogs are low in all graphs, at most `timeout_s`; each call is one pause."""
         await asyncio.gather(*(part.drained(timeout_s) for part in self.parts.values()))
 
-    async def _open(self, graph: Graph) -> Publisher:
+    async def _advertise(self, graph: Graph) -> Publisher:
         publisher = await graph.advertise(
             self.topic, self.type, latch=self._latch, queue_bytes=self._queue_bytes
         )
@@ -87,7 +85,7 @@ class JointSubscriber(JointHandle[Subscriber]):
         relays: Container[str],
     ) -> None:
         self.topic = topic
-        super().__init__(topic)
+        super().__init__(topic, self._subscribe)
         self._type = message_type
         self._on_messages = on_messages
         self._first = first
@@ -113,7 +111,7 @@ class JointSubscriber(JointHandle[Subscriber]):
         for part in self.parts.values():
             part.resume()
 
-    async def _open(self, graph: Graph) -> Subscriber:
+    async def _subscribe(self, graph: Graph) -> Subscriber:
         is_first = graph is self._first
         options = self._options.copy()
         options["skip_own"] = options.get("skip_own", False) or not is_first
@@ -140,30 +138,13 @@ class JointServiceServer(JointHandle[ServiceServer]):
 
     def __init__(self, service: str, service_type: ServiceType, handler: ServiceHandler) -> None:
         self.service = service
-        super().__init__(f"service {service}")
-        self._type = service_type
-        self._handler = handler
-
-    async def _open(self, graph: Graph) -> ServiceServer:
-        return await graph.advertise_service(self.service, self._type, self._handler)
+        super().__init__(
+            f"service {service}", lambda graph: graph.advertise_service(service, service_type, handler)
+        )
 
 
-class JointServiceClient(JointHandle[ServiceClient]):
-    """A `graph.ports.ServiceClient` in those of several graphs that list clients."""
-
-    def __init__(self, service: str, service_type: ServiceType) -> None:
-        super().__init__(f"client of {service}")
-        self._service = service
-        self._type = service_type
-
-    async def _open(self, graph: Graph) -> ServiceClient:
-        if isinstance(graph, ListsClients):
-            return await graph.list_client(self._service, self._type)
-        return _UnlistedClient()
-
-
-class _UnlistedClient:
-    """Represents a client in a graph that lists none."""
+class UnlistedClient:
+    """A `graph.ports.ServiceClient` in a graph that lists none."""
 
     async def close(self) -> None:
         """Do nothing: it was not listed."""
@@ -175,7 +156,7 @@ class JointWatch(JointHandle[Watch]):
     def __init__(
         self, name: str, on_change: Callable[[ParamValue], None], order: Callable[[], Sequence[Graph]]
     ) -> None:
-        super().__init__(f"parameter {name}")
+        super().__init__(f"parameter {name}", self._watch)
         self._name = name
         self._on_change = on_change
         self._order = order
@@ -188,7 +169,7 @@ class JointWatch(JointHandle[Watch]):
         self._reported = [self._value()]
         call_safely(f"on_change of parameter {self._name}", self._on_change, self._reported[0])
 
-    async def _open(self, graph: Graph) -> Watch:
+    async def _watch(self, graph: Graph) -> Watch:
         def on_value(value: ParamValue) -> None:
             self._values[graph] = value
             self._report_value()
