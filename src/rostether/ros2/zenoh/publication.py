@@ -106,14 +106,14 @@ class ZenohPublication:
             puts = self._put(payloads, MAX_STALLS)
             self._note(puts)
             if puts.done == len(payloads):
-                return queue.is_open
+                return queue.flow.is_open
             payloads = payloads[puts.done :]
         queue.add(payloads)
-        return queue.is_open
+        return queue.flow.is_open
 
     async def drained(self, timeout_s: float) -> None:
         """Wait until the queue for a full link is short, at most `timeout_s`."""
-        await self._queue.drained(timeout_s)
+        await self._queue.flow.drained(timeout_s)
 
     async def close(self) -> None:
         """Unadvertise, after the queued messages are sent."""

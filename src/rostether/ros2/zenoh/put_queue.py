@@ -78,23 +78,18 @@ class PutQueue:
         # Whether nothing waits here, so that new messages may be put immediately.
         self.is_idle = True
         self.dropped_count = 0
+        self.flow = PublicationFlow()
         self._put = put
         self._note = note
         self._threads = threads
         self._limit_bytes = limit_bytes
         self._waiting: deque[bytes] = deque()
         self._waiting_bytes = 0
-        self._flow = PublicationFlow()
-        self._backlog = SubscriberFlow(self._flow, lambda: self._waiting_bytes, limit_bytes)
+        self._backlog = SubscriberFlow(self.flow, lambda: self._waiting_bytes, limit_bytes)
         self._job: asyncio.Future[BatchResult] | None = None
         self._thread_timer: asyncio.TimerHandle | None = None
         self._long_s = float("-inf")
         self._has_ended = False
-
-    @property
-    def is_open(self) -> bool:
-        """Whether the queue is short."""
-        return self._flow.is_open
 
     def add(self, payloads: Sequence[bytes]) -> None:
         """Queue messages."""
@@ -120,10 +115,6 @@ class PutQueue:
             if self._thread_timer is not None:
                 self._thread_timer.cancel()
             self._thread_timer = loop.call_later(THREAD_IN_USE_S, self._leave_thread)
-
-    async def drained(self, timeout_s: float) -> None:
-        """Wait until the queue is short, at most `timeout_s`."""
-        await self._flow.drained(timeout_s)
 
     async def finish(self) -> None:
         """Put the waiting messages within `FINISH_LIMIT_S`; drop the rest."""

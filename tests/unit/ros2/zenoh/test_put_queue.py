@@ -82,10 +82,10 @@ async def test_the_oldest_messages_are_dropped_beyond_the_limit(threads: ThreadP
     queue.add(sent[:1])
     queue.add(sent[1:])
     assert queue.dropped_count == 299
-    assert not queue.is_open
+    assert not queue.flow.is_open
     for _ in range(STEPS + 2):
-        await queue.drained(0.0)
-    assert queue.is_open, "a full link pauses no publisher for long"
+        await queue.flow.drained(0.0)
+    assert queue.flow.is_open, "a full link pauses no publisher for long"
     link.room.set()
     await until(lambda: queue.is_idle)
     assert link.put == [*sent[:1], *sent[-100:]]
