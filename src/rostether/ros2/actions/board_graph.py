@@ -211,6 +211,5 @@ class _ActionSubscriber:
 
 
 def _is_part(part: tuple[str, str], name: str, message_type: MessageType) -> bool:
-    """Return whether a topic is this part of an action."""
     suffix, type_name = part
     return name.endswith(suffix) and message_type.name.endswith(type_name)

@@ -60,7 +60,6 @@ class _Goal:
         self.running: asyncio.Task[None] | None = None
 
     def status_bytes(self) -> bytes:
-        """Return the goal's serialized GoalStatus."""
         return self.id.status(self.status, self.text)
 
 

@@ -111,7 +111,6 @@ def interface_class(name: str) -> Any:
 
 
 def _part_of_action(module: Any, name: str) -> Any:
-    """Return the class of a part of an action."""
     action = action_of_part(name)
     part = name.removeprefix(f"{action}_")
     found = getattr(module, action)

@@ -152,11 +152,9 @@ class _Unchanged:
     """Returns CDR unchanged."""
 
     def from_cdr(self, cdr: bytes) -> bytes:
-        """Return the CDR unchanged."""
         return cdr
 
     def to_cdr(self, payload: bytes) -> bytes:
-        """Return the payload, which is CDR."""
         return payload
 
 

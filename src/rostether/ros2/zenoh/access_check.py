@@ -108,7 +108,6 @@ def _missing(
 
 
 def _as_client(configuration: zenoh.Config, endpoint: str) -> zenoh.Config:
-    """Return the configuration of a client of one router."""
     client = zenoh.Config.from_json5(str(configuration))
     for path, value in (
         ("mode", "client"),
