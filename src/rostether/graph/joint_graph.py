@@ -27,7 +27,6 @@ from rostether.graph.joint_handles import (
     JointWatch,
     UnlistedClient,
 )
-from rostether.graph.joint_snapshot import follow_changes, follow_each, merge_snapshots
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import (
     Graph,
@@ -40,6 +39,7 @@ from rostether.graph.ports import (
     Snapshot,
     SubscribeOptions,
 )
+from rostether.graph.snapshots import follow_changes, follow_each, merge_snapshots
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time

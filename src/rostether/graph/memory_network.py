@@ -25,7 +25,7 @@ from rostether.graph.ports import (
 )
 from rostether.graph.publisher_handle import check_same_type
 from rostether.graph.ros_clock import wall_time
-from rostether.graph.shared_snapshots import ChangeSignal
+from rostether.graph.snapshots import ChangeSignal
 from rostether.mechanisms.block_end import Closable
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.names.graph_name import join, validate_name

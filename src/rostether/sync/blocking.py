@@ -11,7 +11,7 @@ from functools import partial, wraps
 from types import TracebackType
 from typing import Any, Concatenate, Generic, ParamSpec, Self, TypeVar
 
-from rostether.mechanisms.callables import require_plain
+from rostether.graph.callbacks import require_plain
 from rostether.mechanisms.loop_thread import LoopThread, run_in_thread
 
 P = ParamSpec("P")

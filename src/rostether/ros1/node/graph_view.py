@@ -12,7 +12,7 @@ from msgspec.structs import replace
 
 from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
-from rostether.graph.shared_snapshots import poll_snapshots
+from rostether.graph.snapshots import poll_snapshots
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros1.node.master_client import MasterClient
 

@@ -12,7 +12,7 @@ from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
 from rostether.graph.node_membership import NodeMembership
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE
-from rostether.graph.shared_snapshots import SharedSnapshots
+from rostether.graph.snapshots import SharedSnapshots
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.names.graph_name import join, validate_name
 from rostether.ros1.environment import RosEnvironment

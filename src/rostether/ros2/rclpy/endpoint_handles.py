@@ -18,8 +18,12 @@ from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.parameters.graph_parameters import Ros2Membership
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import RclpyPublication
-from rostether.ros2.rclpy.service_client import DISCOVERY_S, SERVICE_POLL_INTERVAL_S, RclpyServiceClient
-from rostether.ros2.rclpy.service_server import RclpyServiceServer
+from rostether.ros2.rclpy.services import (
+    DISCOVERY_S,
+    SERVICE_POLL_INTERVAL_S,
+    RclpyServiceClient,
+    RclpyServiceServer,
+)
 from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.rclpy.view import node_name_of
 from rostether.ros2.types.type_support import ServiceSupport

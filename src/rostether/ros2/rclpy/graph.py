@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from typing import Any
 
 from rostether.graph.ports import Level, Snapshot
-from rostether.graph.shared_snapshots import poll_snapshots
+from rostether.graph.snapshots import poll_snapshots
 from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind, QosReport
 from rostether.ros2.parameters.graph_parameters import GraphParameters
 from rostether.ros2.rclpy.endpoint_handles import RclpyEndpoints

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 
 from rostether.graph.callbacks import call_safely
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
-from rostether.graph.shared_snapshots import ChangeSignal
+from rostether.graph.snapshots import ChangeSignal
 from rostether.msgdef.interface import ANY_TYPE
 from rostether.ros2.naming import type_of_dds_name
 from rostether.ros2.zenoh.tokens import Token, TokenKind, parse_token

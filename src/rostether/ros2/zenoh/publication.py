@@ -18,7 +18,7 @@ from rostether.ros2.qos import DEFAULT_QOS, LATCHED_QOS, Qos
 from rostether.ros2.types.type_support import MessageSupport
 from rostether.ros2.zenoh.attachment import ATTACHMENT, GID_BYTES, gid_of
 from rostether.ros2.zenoh.configuration import WAIT_BEFORE_DROP_US
-from rostether.ros2.zenoh.mismatches import Mismatches, is_of_type
+from rostether.ros2.zenoh.described_types import Mismatches, is_of_type
 from rostether.ros2.zenoh.put_queue import BatchResult, PutQueue
 from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities
 from rostether.ros2.zenoh.tokens import Token, TokenKind

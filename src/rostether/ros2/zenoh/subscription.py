@@ -16,8 +16,7 @@ from rostether.ros2.handover import Handover, Received, convert_if_large, loss_t
 from rostether.ros2.qos import DEFAULT_QOS, Qos
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
-from rostether.ros2.zenoh.described_types import Describe, DescribedTypes
-from rostether.ros2.zenoh.mismatches import Mismatches, is_of_type
+from rostether.ros2.zenoh.described_types import Describe, DescribedTypes, Mismatches, is_of_type
 from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities
 from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key

@@ -19,7 +19,7 @@ from rostether.errors import (
     ServiceUnavailableError,
     TypeMismatchError,
 )
-from rostether.ros2.zenoh import service_server
+from rostether.ros2.zenoh import services
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.tokens import data_key
@@ -121,7 +121,7 @@ async def test_a_call_fails_when_the_machine_of_its_server_has_ended(session: Ze
 async def test_a_listed_service_without_a_route_is_reported(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.ros2.zenoh.service_client.REACH_S", 0.05)
+    monkeypatch.setattr("rostether.ros2.zenoh.services.REACH_S", 0.05)
     client = await session.join("client")
     token = (
         "@ros2_lv/0/abc/0/1/SS/%/%/ghost/%switch/std_srvs::srv::dds_::SetBool_/"
@@ -183,10 +183,10 @@ async def test_a_caller_that_hangs_does_not_delay_others(
         assert room.wait(60)
         finish(query, say)
 
-    finish = service_server._finish
+    finish = services._finish
     server, client = await session.join("server"), await session.join("client")
     handle = await server.advertise_service("/switch", SET_BOOL, agree)
-    monkeypatch.setattr(service_server, "_finish", wait_for_room)
+    monkeypatch.setattr(services, "_finish", wait_for_room)
     call = asyncio.ensure_future(client.call_service("/switch", SET_BOOL, b"\x01"))
     await until(waiting.is_set)
     assert not call.done()

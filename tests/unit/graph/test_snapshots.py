@@ -6,7 +6,7 @@ import pytest
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Snapshot
-from rostether.graph.shared_snapshots import SharedSnapshots, poll_snapshots
+from rostether.graph.snapshots import SharedSnapshots, poll_snapshots
 
 
 class SlowGraph:
