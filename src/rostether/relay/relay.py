@@ -27,9 +27,8 @@ from rostether.graph.joint_marks import (
 from rostether.graph.ports import Level, Publisher, Report, Snapshot
 from rostether.mechanisms.tasks import cancel_all
 from rostether.relay.action_relay import ActionRelay, action_entries
-from rostether.relay.item import ItemKind, RelayItem, RelaySide
+from rostether.relay.item import ItemKind, RelayDirection, RelayFilter, RelayItem, RelaySide
 from rostether.relay.item_relay import ServiceRelay, TopicRelay
-from rostether.relay.relay_filter import RelayDirection, RelayFilter
 from rostether.ros2.actions.board_graph import BoardJoin
 
 # The pause before a request that a graph refused is repeated; graphs recover within seconds.

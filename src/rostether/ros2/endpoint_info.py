@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from enum import Enum
 from typing import Protocol, runtime_checkable
 
@@ -91,3 +91,17 @@ async def find_distribution(graph: Graph, environ: Mapping[str, str]) -> str:
     """Return the distribution of a ROS 2 graph: ROS_DISTRO, else the graph's, else `BUNDLED_DISTRO`."""
     shown = await graph.distribution() if isinstance(graph, Ros2Graph) else ""
     return named_distro(environ) or shown or BUNDLED_DISTRO
+
+
+class ListedClient:
+    """Implements `graph.ports.ServiceClient`; `close` calls `withdraw` once."""
+
+    def __init__(self, withdraw: Callable[[], Awaitable[None]]) -> None:
+        self._withdraw = withdraw
+        self._is_closed = False
+
+    async def close(self) -> None:
+        """Remove the client from the graph. Idempotent."""
+        if not self._is_closed:
+            self._is_closed = True
+            await self._withdraw()

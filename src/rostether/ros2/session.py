@@ -28,7 +28,7 @@ async def open_ros2(
     """
     environment = Ros2Environment.read(environ)
     if middleware == "rclpy":
-        from rostether.ros2.rclpy.context import RclpyContext
+        from rostether.ros2.rclpy.graph import RclpyContext
 
         async with closed_at_end(await RclpyContext.open(types, domain_id=environment.domain_id)) as context:
             yield context.join

@@ -15,9 +15,8 @@ from rostether.errors import UnknownTypeError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import ServiceType
-from rostether.relay.item import ForgetNode, RelaySide
+from rostether.relay.item import ForgetNode, RelayFilter, RelaySide, ServiceFilter, TopicFilter
 from rostether.relay.relay import Relay
-from rostether.relay.relay_filter import RelayFilter, ServiceFilter, TopicFilter
 
 SERVICE_TYPES = {each.name: each for each in (SET_BOOL, ADD_DIAGNOSTICS, EMPTY)}
 

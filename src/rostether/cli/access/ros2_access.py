@@ -68,7 +68,7 @@ async def ros2_access(
 async def _over_rclpy(
     environment: Ros2Environment, types: Ros2Types, params_files: tuple[Path, ...]
 ) -> AsyncIterator[Ros2Access]:
-    from rostether.ros2.rclpy.context import RclpyContext
+    from rostether.ros2.rclpy.graph import RclpyContext
 
     arguments = ["--ros-args"] if params_files else []
     for path in params_files:

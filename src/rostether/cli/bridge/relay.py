@@ -24,7 +24,7 @@ from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.names.graph_name import validate_name
-from rostether.relay.relay_filter import RelayDirection, RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.item import RelayDirection, RelayFilter, ServiceFilter, TopicFilter
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import Leftovers
 from rostether.ros1.node.service_probe import probe_type

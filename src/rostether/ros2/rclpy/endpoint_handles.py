@@ -13,8 +13,7 @@ from rostether.graph.ports import Level, OnMessages, ServiceHandler, SubscribeOp
 from rostether.graph.publisher_handle import PublisherHandle, check_same_type
 from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
-from rostether.ros2.endpoint_info import EndpointKind, different_type_text
-from rostether.ros2.listed_client import ListedClient
+from rostether.ros2.endpoint_info import EndpointKind, ListedClient, different_type_text
 from rostether.ros2.parameters.graph_parameters import Ros2Membership
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import RclpyPublication

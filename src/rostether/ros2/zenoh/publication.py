@@ -14,14 +14,13 @@ from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level
 from rostether.graph.publisher_handle import check_same_type
 from rostether.msgdef.interface import MessageType
-from rostether.ros2.qos import DEFAULT_QOS, LATCHED_QOS, Qos
 from rostether.ros2.types.type_support import MessageSupport
 from rostether.ros2.zenoh.attachment import ATTACHMENT, GID_BYTES, gid_of
 from rostether.ros2.zenoh.configuration import WAIT_BEFORE_DROP_US
 from rostether.ros2.zenoh.described_types import Mismatches, is_of_type
 from rostether.ros2.zenoh.put_queue import BatchResult, PutQueue
 from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities
-from rostether.ros2.zenoh.tokens import Token, TokenKind
+from rostether.ros2.zenoh.tokens import DEFAULT_QOS, LATCHED_QOS, Qos, Token, TokenKind
 
 # A put that takes this long has waited for room; other puts take a hundredth of this time.
 STALL_NS = 300_000
