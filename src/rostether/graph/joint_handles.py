@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Container, Sequence
 
-from rostether.graph.callbacks import call_safely
 from rostether.graph.joint_handle import JointHandle
+from rostether.graph.parameter_watch import NewValues
 from rostether.graph.ports import (
     Graph,
     OnMessages,
@@ -158,31 +158,23 @@ class JointWatch(JointHandle[Watch]):
     ) -> None:
         super().__init__(f"parameter {name}", self._watch)
         self._name = name
-        self._on_change = on_change
+        self._reports = NewValues(name, on_change)
         self._order = order
         self._values: dict[Graph, ParamValue] = {}
-        # The reported value; empty before the first report.
-        self._reported: list[ParamValue] = []
+        self._is_started = False
 
     def start(self) -> None:
         """Report the current value, and later changes."""
-        self._reported = [self._value()]
-        call_safely(f"on_change of parameter {self._name}", self._on_change, self._reported[0])
+        self._is_started = True
+        self._reports.report(self._value())
 
     async def _watch(self, graph: Graph) -> Watch:
         def on_value(value: ParamValue) -> None:
             self._values[graph] = value
-            self._report_value()
+            if self._is_started and not self.is_closed:
+                self._reports.report(self._value())
 
         return await graph.watch_param(self._name, on_value)
-
-    def _report_value(self) -> None:
-        value = self._value()
-        if self._reported and not self.is_closed:
-            latest = self._reported[0]
-            if value != latest or type(value) is not type(latest):
-                self._reported = [value]
-                call_safely(f"on_change of parameter {self._name}", self._on_change, value)
 
     def _value(self) -> ParamValue:
         values = (self._values.get(graph) for graph in self._order())

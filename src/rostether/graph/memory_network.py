@@ -10,8 +10,9 @@ from typing import Unpack
 from rostether.errors import GraphError, ServiceUnavailableError, UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, LogRecord, encode_log
 from rostether.graph.memory_endpoints import MemoryPublisher, MemoryServiceServer, MemorySubscriber
-from rostether.graph.memory_parameters import MemoryParameters, MemoryWatch
+from rostether.graph.memory_parameters import MemoryParameters
 from rostether.graph.node_membership import NodeMembership
+from rostether.graph.parameter_watch import ParameterWatch
 from rostether.graph.ports import (
     NAME_TAKEN,
     Level,
@@ -230,7 +231,7 @@ class MemoryGraph(NodeMembership):
         """Return the full names of all parameters, sorted."""
         return self._network.parameters.names()
 
-    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> MemoryWatch:
+    async def watch_param(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
         """Call back with the value now and after every change."""
         self._check_open()
         watch = self._network.parameters.watch(self.resolve(name), on_change)

@@ -7,7 +7,7 @@ import copy
 from collections.abc import Callable, Iterator
 
 from rostether.errors import UnknownNameError
-from rostether.graph.callbacks import call_safely
+from rostether.graph.parameter_watch import ParameterWatch
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import is_in_namespace
 
@@ -17,7 +17,7 @@ class MemoryParameters:
 
     def __init__(self) -> None:
         self._root: dict[str, ParamValue] = {}
-        self._watches: list[MemoryWatch] = []
+        self._watches: list[ParameterWatch] = []
 
     def get(self, name: str) -> ParamValue:
         """Return a value or a whole tree. Raises UnknownNameError."""
@@ -75,48 +75,23 @@ class MemoryParameters:
         """Return the names of all values, sorted."""
         return sorted(_leaves("", self._root))
 
-    def watch(self, name: str, on_change: Callable[[ParamValue], None]) -> MemoryWatch:
+    def watch(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
         """Call back now and whenever the value of `name` has changed."""
-        watch = MemoryWatch(self, name, on_change)
+        watch = ParameterWatch(name, on_change, self._forget)
         self._watches.append(watch)
-        watch.call(is_first=True)
+        watch.report(self.get_or_none(name))
         return watch
 
-    def forget(self, watch: MemoryWatch) -> None:
-        """End a watch."""
-        if watch in self._watches:
-            self._watches.remove(watch)
+    async def _forget(self, watch: ParameterWatch) -> None:
+        self._watches.remove(watch)
 
     def _changed(self, name: str) -> None:
         for watch in self._watches:
             if is_in_namespace(watch.name, name) or is_in_namespace(name, watch.name):
-                asyncio.get_running_loop().call_soon(watch.call)
+                asyncio.get_running_loop().call_soon(self._report_value, watch)
 
-
-class MemoryWatch:
-    """Passes each new value of one parameter to a callback; implements `Watch`."""
-
-    def __init__(
-        self, parameters: MemoryParameters, name: str, on_change: Callable[[ParamValue], None]
-    ) -> None:
-        self.name = name
-        self._parameters = parameters
-        self._on_change = on_change
-        self._latest: ParamValue = None
-        self._is_closed = False
-
-    def call(self, *, is_first: bool = False) -> None:
-        """Pass the value on if it is new; an error of the callback is only logged."""
-        value = self._parameters.get_or_none(self.name)
-        is_new = value != self._latest or type(value) is not type(self._latest)
-        if not self._is_closed and (is_first or is_new):
-            self._latest = value
-            call_safely(f"on_change of parameter {self.name}", self._on_change, value)
-
-    async def close(self) -> None:
-        """Stop watching. Idempotent."""
-        self._is_closed = True
-        self._parameters.forget(self)
+    def _report_value(self, watch: ParameterWatch) -> None:
+        watch.report(self.get_or_none(watch.name))
 
 
 def _parts(name: str) -> list[str]:

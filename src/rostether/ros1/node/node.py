@@ -10,6 +10,7 @@ from typing import Unpack
 from rostether.errors import UnknownNameError
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
 from rostether.graph.node_membership import NodeMembership
+from rostether.graph.parameter_watch import ParameterWatch
 from rostether.graph.ports import Level, OnMessages, ParamValue, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.ros_clock import CLOCK_TOPIC, CLOCK_TYPE
 from rostether.graph.snapshots import SharedSnapshots
@@ -21,7 +22,6 @@ from rostether.ros1.node.endpoint_handles import Endpoints
 from rostether.ros1.node.graph_view import take_snapshot, watch_changes
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.own_registrations import DEFAULT_CHECK_INTERVAL_S
-from rostether.ros1.node.parameters import ParameterWatch
 from rostether.ros1.node.publication import Publication, Publisher
 from rostether.ros1.node.service_client import ServiceClient
 from rostether.ros1.node.service_server import ServiceServer

@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable
 
 from rostether.errors import GraphError, UnknownNameError
-from rostether.graph.callbacks import call_safely
+from rostether.graph.parameter_watch import ParameterWatch
 from rostether.graph.ports import ParamValue
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros1.node.master_client import MasterClient
@@ -27,10 +27,10 @@ class ParameterWatches:
 
     async def add(self, name: str, on_change: Callable[[ParamValue], None]) -> ParameterWatch:
         """Call back with the value now and after every change. Raises GraphError."""
-        watch = ParameterWatch(self, name, on_change)
+        watch = ParameterWatch(name, on_change, self.remove)
         self._watches.setdefault(name, []).append(watch)
         try:
-            watch.deliver_first(_unset_as_none(await self._master.subscribe_param(name, self._node_uri)))
+            watch.report(_unset_as_none(await self._master.subscribe_param(name, self._node_uri)))
         except GraphError:
             self._forget(watch)
             raise
@@ -44,7 +44,7 @@ class ParameterWatches:
         key = "/" + key.strip("/")
         watches = list(self._watches.get(key, ()))
         for watch in watches:
-            watch.deliver(_unset_as_none(value))
+            watch.report(_unset_as_none(value))
         # A change below a watched tree: only the master knows the whole tree now.
         return self._fetch_soon(lambda name: _is_below(key, name)) or bool(watches)
 
@@ -63,7 +63,7 @@ class ParameterWatches:
         for name, watches in list(self._watches.items()):
             value = _unset_as_none(await self._master.subscribe_param(name, self._node_uri))
             for watch in list(watches):
-                watch.deliver(value)
+                watch.report(value)
 
     async def remove(self, watch: ParameterWatch) -> None:
         """End a watch."""
@@ -99,34 +99,7 @@ class ParameterWatches:
             _log.debug("cannot read %s after a change below it: %s", name, error)
             return
         for watch in list(self._watches.get(name, ())):
-            watch.deliver(value)
-
-
-class ParameterWatch:
-    """Implements `graph.ports.Watch`."""
-
-    def __init__(self, watches: ParameterWatches, name: str, on_change: Callable[[ParamValue], None]) -> None:
-        self.name = name
-        self._watches = watches
-        self._on_change = on_change
-        self._latest: ParamValue = None
-        self._is_closed = False
-
-    def deliver_first(self, value: ParamValue) -> None:
-        """Pass the first value on."""
-        self._latest = value
-        call_safely(f"on_change of parameter {self.name}", self._on_change, value)
-
-    def deliver(self, value: ParamValue) -> None:
-        """Pass a value on if it is new; the master and this node may both report the same change."""
-        if not self._is_closed and (value != self._latest or type(value) is not type(self._latest)):
-            self.deliver_first(value)
-
-    async def close(self) -> None:
-        """Stop watching. Idempotent."""
-        if not self._is_closed:
-            self._is_closed = True
-            await self._watches.remove(self)
+            watch.report(value)
 
 
 def _is_below(name: str, tree: str) -> bool:

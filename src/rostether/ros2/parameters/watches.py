@@ -7,7 +7,7 @@ import contextlib
 from collections.abc import Awaitable, Callable, Sequence
 
 from rostether.errors import GraphError, SerializationError
-from rostether.graph.callbacks import call_safely
+from rostether.graph.parameter_watch import ParameterWatch
 from rostether.graph.ports import Graph, ParamValue, Subscriber
 from rostether.names.graph_name import is_in_namespace
 from rostether.ros2.parameters.services import PARAMETER_EVENTS
@@ -40,13 +40,12 @@ class Ros2ParameterWatches:
                     PARAMETER_EVENTS, rcl_interfaces().message("ParameterEvent"), self._handle_events
                 )
                 self._own.listen(self._handle_own_changes)
-        watch = Ros2ParameterWatch(self, name, on_change, self._fetch)
+        watch = Ros2ParameterWatch(name, on_change, self._remove, self._fetch)
         self._watches.append(watch)
         await watch.start()
         return watch
 
-    async def remove(self, watch: Ros2ParameterWatch) -> None:
-        """End a watch."""
+    async def _remove(self, watch: Ros2ParameterWatch) -> None:
         if watch in self._watches:
             self._watches.remove(watch)
         async with self._lock:
@@ -79,31 +78,28 @@ class Ros2ParameterWatches:
                 watch.refresh_soon()
 
 
-class Ros2ParameterWatch:
-    """Implements `graph.ports.Watch`."""
+class Ros2ParameterWatch(ParameterWatch):
+    """Fetches the value again after each event that may concern it."""
 
     def __init__(
         self,
-        watches: Ros2ParameterWatches,
         name: str,
         on_change: Callable[[ParamValue], None],
+        on_close: Callable[[Ros2ParameterWatch], Awaitable[None]],
         fetch: Callable[[str], Awaitable[ParamValue]],
     ) -> None:
-        self.name = name
-        self._watches = watches
-        self._on_change = on_change
+        super().__init__(name, on_change, on_close)
         self._fetch = fetch
-        self._latest: ParamValue = None
         self._is_started = False
         self._is_outdated = False
         self._refreshing: asyncio.Task[None] | None = None
-        self._is_closed = False
 
     async def start(self) -> None:
         """Report the current value, and later changes."""
+        value: ParamValue = None
         with contextlib.suppress(GraphError, SerializationError):
-            self._latest = await self._fetch(self.name)
-        self._report_value()
+            value = await self._fetch(self.name)
+        self.report(value)
         self._is_started = True
         if self._is_outdated:
             self.refresh_soon()
@@ -111,31 +107,21 @@ class Ros2ParameterWatch:
     def refresh_soon(self) -> None:
         """Fetch the value, and report it if it has changed."""
         self._is_outdated = True
-        if self._is_started and self._refreshing is None and not self._is_closed:
+        if self._is_started and self._refreshing is None and not self.is_closed:
             self._refreshing = asyncio.get_running_loop().create_task(self._refresh())
 
     async def close(self) -> None:
         """Stop watching. Idempotent."""
-        if not self._is_closed:
-            self._is_closed = True
-            if self._refreshing is not None:
-                self._refreshing.cancel()
-            await self._watches.remove(self)
+        if self._refreshing is not None:
+            self._refreshing.cancel()
+        await super().close()
 
     async def _refresh(self) -> None:
         try:
             while self._is_outdated:
                 self._is_outdated = False
-                try:
-                    value = await self._fetch(self.name)
-                except (GraphError, SerializationError):
-                    continue  # Its node does not answer: keep the last value.
-                if value != self._latest or type(value) is not type(self._latest):
-                    self._latest = value
-                    self._report_value()
+                # If its node does not answer, the last value is kept.
+                with contextlib.suppress(GraphError, SerializationError):
+                    self.report(await self._fetch(self.name))
         finally:
             self._refreshing = None
-
-    def _report_value(self) -> None:
-        if not self._is_closed:
-            call_safely(f"on_change of parameter {self.name}", self._on_change, self._latest)
