@@ -11,7 +11,7 @@ from rostether.errors import UnknownNameError
 from rostether.graph.ports import ServiceEntry, Snapshot, TopicEntry
 from rostether.mechanisms.text import escape_line
 from rostether.msgdef.interface import ANY_TYPE
-from rostether.names.graph_name import is_hidden, is_in_namespace
+from rostether.names.graph_name import NODE_SERVICES, is_hidden, is_in_namespace
 
 if TYPE_CHECKING:
     from rostether.pictures.digraph import Digraph
@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 # Almost every node is connected to these, so they hide the other connections.
 _HIDDEN_TOPICS = frozenset({"/rosout", "/rosout_agg", "/statistics", "/parameter_events"})
 _HIDDEN_NODES = frozenset({"/rosout"})
-_NODE_SERVICES = frozenset(
-    {"get_loggers", "set_logger_level", "describe_parameters", "get_parameter_types", "get_parameters"}
-    | {"list_parameters", "set_parameters", "set_parameters_atomically", "get_type_description"}
-)
 
 
 class ShownGraph(Struct, frozen=True):
@@ -46,7 +42,7 @@ def choose(snapshot: Snapshot, names: Iterable[str] = (), *, with_hidden: bool =
         services = [
             each
             for each in services
-            if each.name.rpartition("/")[2] not in _NODE_SERVICES and not is_hidden(each.name)
+            if each.name.rpartition("/")[2] not in NODE_SERVICES and not is_hidden(each.name)
         ]
     wanted = ["/" + name.strip("/") for name in names]
     known = [*nodes, *(topic.name for topic in topics)]

@@ -20,6 +20,12 @@ _ILLEGAL_CHARACTER = re.compile(r"[^A-Za-z0-9_/]")
 # A board can announce any bytes as a name; the error must be one readable line.
 _MAX_QUOTED_CHARACTERS = 80
 
+# The last part of the names of services that every node offers about itself, in ROS 1 or in ROS 2.
+NODE_SERVICES = frozenset(
+    {"get_loggers", "set_logger_level", "describe_parameters", "get_parameter_types", "get_parameters"}
+    | {"list_parameters", "set_parameters", "set_parameters_atomically", "get_type_description"}
+)
+
 NO_REMAPPINGS: Mapping[str, str] = MappingProxyType({})
 
 

@@ -12,23 +12,10 @@ from msgspec import Struct
 from rostether.errors import DefinitionError
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
+from rostether.names.graph_name import NODE_SERVICES
 
 # Each graph has its own topics with these names: they are relayed only if given without `*`.
 PRIVATE_TOPICS = frozenset({"/rosout", "/rosout_agg", "/parameter_events", "/clock"})
-
-# Every node of a graph offers these services about itself: they are relayed only if given without `*`.
-PRIVATE_SERVICES = (
-    "*/get_loggers",
-    "*/set_logger_level",
-    "*/describe_parameters",
-    "*/get_parameter_types",
-    "*/get_parameters",
-    "*/list_parameters",
-    "*/set_parameters",
-    "*/set_parameters_atomically",
-    "*/get_type_description",
-    "*/_action/*",
-)
 
 # The topics of an action in ROS 1. In ROS 2, its topics and services are below `_action`.
 ACTION_TOPICS = ("goal", "cancel", "feedback", "result", "status")
@@ -71,8 +58,11 @@ class ServiceFilter(Struct, frozen=True):
     type: str = ""
 
     def covers(self, name: str) -> bool:
-        """Return whether a service is relayed to the graph that does not have it."""
-        if any(fnmatchcase(name, private) for private in PRIVATE_SERVICES):
+        """Return whether a service is relayed to the graph that does not have it.
+
+        The services that every node offers about itself are relayed only if given without `*`.
+        """
+        if name.rpartition("/")[2] in NODE_SERVICES or "/_action/" in name:
             return name == self.pattern
         return fnmatchcase(name, self.pattern)
 
