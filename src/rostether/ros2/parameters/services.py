@@ -150,12 +150,12 @@ class ParameterClient:
 
     async def names(self, node: str) -> list[str]:
         """Return the names of a node's parameters, including those that are declared but not set."""
-        answer = await self._call(node, LIST_SERVICE, "ListParameters", {})
+        answer = await self._call(node, LIST_SERVICE, {})
         return list(answer.result.names)
 
     async def get(self, node: str, names: Sequence[str]) -> dict[str, TypedValue]:
         """Return the values of the parameters that are set."""
-        answer = await self._call(node, "get_parameters", "GetParameters", {"names": list(names)})
+        answer = await self._call(node, "get_parameters", {"names": list(names)})
         if len(answer.values) == len(names):
             values = zip(names, map(value_of_message, answer.values), strict=True)
             return {name: value for name, value in values if value != NOT_SET}
@@ -167,7 +167,7 @@ class ParameterClient:
 
     async def describe(self, node: str, names: Sequence[str]) -> list[Message]:
         """Return an rcl_interfaces/ParameterDescriptor for each existing parameter."""
-        answer = await self._call(node, "describe_parameters", "DescribeParameters", {"names": list(names)})
+        answer = await self._call(node, "describe_parameters", {"names": list(names)})
         return list(answer.descriptors)
 
     async def set(self, node: str, values: Mapping[str, TypedValue]) -> None:
@@ -179,7 +179,7 @@ class ParameterClient:
         types = await self._types(node, [name for name, value in values.items() if value.may_have_other_type])
         fitting = {name: value.as_type(types.get(name)) for name, value in values.items()}
         parameters = [{"name": name, "value": value.to_fields()} for name, value in fitting.items()]
-        answer = await self._call(node, "set_parameters", "SetParameters", {"parameters": parameters})
+        answer = await self._call(node, "set_parameters", {"parameters": parameters})
         for name, result in zip(values, answer.results, strict=False):
             if not result.successful:
                 reason = fold_line(result.reason) or "no reason given"
@@ -189,16 +189,15 @@ class ParameterClient:
         if not names:
             return {}
         try:
-            answer = await self._call(
-                node, "get_parameter_types", "GetParameterTypes", {"names": list(names)}
-            )
+            answer = await self._call(node, "get_parameter_types", {"names": list(names)})
         except ServiceUnavailableError:
             # The node decides which values it accepts.
             return {}
         # rclcpp returns nothing if one of the names is not declared.
         return dict(zip(names, answer.types, strict=True)) if len(answer.types) == len(names) else {}
 
-    async def _call(self, node: str, verb: str, name: str, request: Mapping[str, Any]) -> Message:
+    async def _call(self, node: str, verb: str, request: Mapping[str, Any]) -> Message:
+        name, _ = _SERVICES[verb]
         interfaces = rcl_interfaces()
         payload = interfaces.codec(f"{name}Request").encode(request)
         try:
