@@ -11,6 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+_FORMAT = 1
+
 
 def write_whole(path: Path, content: bytes, *, is_durable: bool = False, mode: int | None = None) -> None:
     """Create or replace a file. Devices and pipes are written directly. Raises OSError.
@@ -51,9 +53,6 @@ def write_whole(path: Path, content: bytes, *, is_durable: bool = False, mode: i
             os.fsync(folder)
         finally:
             os.close(folder)
-
-
-_FORMAT = 1
 
 
 def load_state(path: Path, max_bytes: int) -> dict[str, Any]:

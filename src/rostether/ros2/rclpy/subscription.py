@@ -104,14 +104,14 @@ class RclpySubscriber:
         """Subscribe. Raises GraphError, InvalidNameError, TypeMismatchError, UnknownTypeError."""
         if self._support is not None:
             interface_class(self._support.name)
-        self._adapt(self._own.node.get_publishers_info_by_topic(self.topic))
+        self._adapt()
 
     def adapt(self) -> None:
         """Adapt to the current publishers."""
         if self._is_closed:
             return
         try:
-            self._adapt(self._own.node.get_publishers_info_by_topic(self.topic))
+            self._adapt()
         except RostetherError as error:
             self._report_once(str(error))
 
@@ -136,7 +136,8 @@ class RclpySubscriber:
         if subscription is not None:
             self._own.node.destroy_subscription(subscription)
 
-    def _adapt(self, publishers: Sequence[Any]) -> None:
+    def _adapt(self) -> None:
+        publishers = self._own.node.get_publishers_info_by_topic(self.topic)
         if publishers and self._is_of_any_type:
             types = [each.topic_type for each in publishers]
             if self._support is None or self._support.name not in types:
