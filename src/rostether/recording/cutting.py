@@ -96,11 +96,15 @@ class Cutting:
         self._spans: dict[Path, tuple[int, int]] = {}
         # Recordings that cannot be read, and why: one damaged file must not hide the others.
         self.unreadable: dict[Path, str] = {}
+        # Recordings of which only a part can be read, and why; those that are being recorded have no index yet.
+        self.damage: dict[Path, str] = {}
         self.topics: set[str] = set()
         for path in paths:
             try:
                 with closing(open_recording(path)) as reader:
                     self.topics |= {each.topic for each in reader.counts}
+                    if reader.damage and path.suffix != ACTIVE_SUFFIX:
+                        self.damage[path] = reader.damage
                     if reader.span_ns is not None:
                         self._spans[path] = reader.span_ns
             except RecordingError as error:

@@ -72,7 +72,7 @@ def bag_convert(
     refuse_same(source, target)
     reader, target_form = open_for(source, target, asked_form(form))
     with closing(reader):
-        warn_of_damage(source, reader)
+        warn_of_damage(source, reader.damage)
         # Only types that go from ROS 1 to ROS 2 must be known; the recordings contain all others.
         types = recording_types((), msg_paths) if msg_paths and target_form is Form.ROS2 else None
         count = copy(reader, target, compression=compression, form=target_form, storage=storage, types=types)
@@ -133,6 +133,7 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
 
     reader, form = open_for(source, target)
     with closing(reader):
+        warn_of_damage(source, reader.damage)
         messages = filter(is_wanted, reader.messages())
         count = write_messages(messages, target, partial(create_recording, form=form))
     write_line(f"{target}: {count} of {counted(total, 'message')}")
@@ -174,6 +175,8 @@ def bag_cut(
     cutting = Cutting(find_recordings(sources))
     for why in cutting.unreadable.values():
         warn(f"skipped: {why}")
+    for path, damage in cutting.damage.items():
+        warn_of_damage(path, damage)
     first_ns, last_ns = cutting.span_ns
     start_ns = moment_ns(start, last_ns)
     if second := second_moment(start, start_ns):

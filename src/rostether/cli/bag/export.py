@@ -73,7 +73,7 @@ def export(options: ExportOptions) -> int:
     from rostether.recording.files import open_recording
 
     with closing(open_recording(options.recording)) as reader:
-        warn_of_damage(options.recording, reader)
+        warn_of_damage(options.recording, reader.damage)
         type_name = PICTURE_TYPE if options.format_name == "pictures" else ""
         chosen = Export(
             reader, topics=options.topics, fields=options.fields, type_name=type_name, report=warn

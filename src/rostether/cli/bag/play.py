@@ -16,7 +16,7 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.ros1_access import read_environment, resolve
 from rostether.cli.bag.progress import show
-from rostether.cli.bag.recording_files import recording_graph
+from rostether.cli.bag.recording_files import recording_graph, warn_of_damage
 from rostether.cli.shell.keys import typed_keys
 from rostether.cli.shell.option_group import (
     NOT_NEGATIVE,
@@ -168,6 +168,7 @@ async def _play(
         is_native = graph_options.is_ros2_alone
         readers = [opened.enter_context(closing(open_recording(path, is_native=is_native))) for path in paths]
         for path, reader in zip(paths, readers, strict=True):
+            warn_of_damage(path, reader.damage)
             for topic, why in reader.unreadable.items():
                 warn(f"{path}: {topic} is skipped: {why}")
         connections = [each for reader in readers for each in reader.counts]

@@ -44,10 +44,10 @@ def create_folder(folder: Path) -> None:
         ) from None
 
 
-def warn_of_damage(path: Path, reader: RecordingReader) -> None:
-    """Warn that messages are missing if a recording is damaged."""
-    if reader.damage:
-        warn(f"{path}: {reader.damage}; only its complete part is read")
+def warn_of_damage(path: Path, damage: str) -> None:
+    """Warn that messages may be missing, unless `damage` is empty."""
+    if damage:
+        warn(f"{path}: {damage}; only its complete part is read")
 
 
 def asked_form(typed: str | None) -> Form | None:

@@ -122,7 +122,7 @@ def echo_recording(path: Path, topic: str | None, options: EchoOptions) -> None:
 
     decoder = Decoder()
     with contextlib.closing(open_recording(path)) as reader:
-        warn_of_damage(path, reader)
+        warn_of_damage(path, reader.damage)
         topics = sorted({each.topic for each in reader.counts})
         chosen, field = (None, "") if topic is None else _split(with_field(topic, options), topics, path)
         printers: dict[str, Ros1Printer] = {}

@@ -114,6 +114,25 @@ def test_reindex_and_convert(tmp_path: Path, bag: Path, shell: Shell) -> None:
     assert list(BagReader(mended).messages()) == list(BagReader(bag).messages())
 
 
+def test_copies_and_playback_of_a_damaged_recording_name_the_damage(
+    graph: LiveGraph, bag: Path, tmp_path: Path, shell: Shell
+) -> None:
+    target = str(tmp_path / "b.mcap")
+    bag.write_bytes(bag.read_bytes()[:5000])
+    warning = f"{bag}: its index is broken"
+    since = ("--from", "2023-11-14T22:13+00:00")
+    for words in (("filter", str(bag), target, "True"), ("cut", str(bag), "-o", target, *since)):
+        result = shell("bag", *words)
+        assert result.code == 0
+        assert result.err.startswith(warning)
+        assert "only its complete part is read" in result.err
+    played, _ = _started(graph, "play", "-d", "0", "-i", str(bag)).communicate(timeout=60)
+    assert played.startswith(warning)
+    # A recording in progress has no index yet, and is not damaged.
+    active = bag.rename(f"{bag}.active")
+    assert shell("bag", "cut", str(active), "-o", target, *since).err == ""
+
+
 def test_what_makes_no_sense_is_reported(tmp_path: Path, bag: Path, shell: Shell) -> None:
     assert "No such file" in shell.failure("bag", "info", str(tmp_path / "none.bag"))
     assert "is not a bag" in shell.failure("bag", "info", __file__)
