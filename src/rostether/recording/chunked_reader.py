@@ -97,7 +97,7 @@ class ChunkedReader(Generic[ContentT]):
         connections = wanted_connections(self._connections, wanted)
 
         def unpack(chunk: StoredChunk) -> Unpacked:
-            plain = unpack_chunk(self._file.view, chunk)
+            plain = unpack_chunk(self._file.read(chunk.data_start, chunk.data_end), chunk)
             return plain, lambda: (entry for entry in self._entries_of(plain) if entry[3] in connections)
 
         needed = [

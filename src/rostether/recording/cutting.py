@@ -96,7 +96,7 @@ class Cutting:
         self._spans: dict[Path, tuple[int, int]] = {}
         # Recordings that cannot be read, and why: one damaged file must not hide the others.
         self.unreadable: dict[Path, str] = {}
-        # Recordings of which only a part can be read, and why; those that are being recorded have no index yet.
+        # Recordings of which only a part can be read, and why; those in progress have no index yet.
         self.damage: dict[Path, str] = {}
         self.topics: set[str] = set()
         for path in paths:

@@ -6,10 +6,15 @@ import contextlib
 import mmap
 import os
 import stat
+import weakref
 from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import read_failure
+from rostether.recording.compression import Buffer
+
+# Larger parts of a file are not copied.
+_MAX_COPIED_BYTES = 8 << 20
 
 SQLITE_MAGIC = b"SQLite format 3\0"
 
@@ -53,20 +58,35 @@ class MappedFile:
     def __init__(self, path: Path) -> None:
         require_regular_file(path)
         try:
-            descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
-            try:
-                self.size_bytes = os.fstat(descriptor).st_size
-                if not self.size_bytes:
-                    raise RecordingError(f"{path} is empty")
-                self._data = mmap.mmap(descriptor, 0, access=mmap.ACCESS_READ)
-            finally:
-                os.close(descriptor)
+            self._descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+            self._close_file = weakref.finalize(self, os.close, self._descriptor)
+            self.size_bytes = os.fstat(self._descriptor).st_size
+            if not self.size_bytes:
+                raise RecordingError(f"{path} is empty")
+            self._data = mmap.mmap(self._descriptor, 0, access=mmap.ACCESS_READ)
         except OSError as error:
             raise RecordingError(read_failure(path, error)) from None
         self.view = memoryview(self._data)
 
+    def read(self, start: int, end: int) -> Buffer:
+        """Return a part of the file. Raises RecordingError if it cannot be read any more.
+
+        If another program shortens the file, or its disk is unplugged, the next access to `view` ends the
+        process with SIGBUS. This method reports it, except for large parts.
+        """
+        if end - start > _MAX_COPIED_BYTES or not hasattr(os, "pread"):
+            return self.view[start:end]
+        try:
+            data = os.pread(self._descriptor, end - start, start)
+        except OSError as error:
+            raise RecordingError(f"it cannot be read any more ({error.strerror})") from None
+        if len(data) < end - start:
+            raise RecordingError("another program has shortened it")
+        return data
+
     def close(self) -> None:
         """Close the file. Idempotent."""
+        self._close_file()
         self.view.release()
         # An unfinished iterator has a view of the data, and frees it later.
         with contextlib.suppress(BufferError):

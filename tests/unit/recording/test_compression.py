@@ -119,8 +119,8 @@ def test_a_chunk_is_unpacked_from_its_position() -> None:
     stored = compress(LZ4, plain)
     view = memoryview(b"xx" + stored + plain)
     end = 2 + len(stored)
-    assert unpack_chunk(view, _stored(LZ4, 100, 2, end)) == plain
-    assert unpack_chunk(view, _stored("", 100, end, end + 100)) == plain
+    assert unpack_chunk(view[2:end], _stored(LZ4, 100, 2, end)) == plain
+    assert unpack_chunk(view[end:], _stored("", 100, end, end + 100)) == plain
 
 
 def test_shares_are_listed_most_frequent_first() -> None:

@@ -1,11 +1,15 @@
 from __future__ import annotations
 
+import os
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from rostether.errors import RecordingError
+from rostether.recording.files import create_recording, open_recording
 from rostether.recording.regular_file import MappedFile
+from unit.recording.bags import connection, text
 
 
 def test_a_file_is_mapped_and_released(tmp_path: Path) -> None:
@@ -26,3 +30,18 @@ def test_errors_name_the_path_that_cannot_be_read(tmp_path: Path) -> None:
         MappedFile(empty)
     with pytest.raises(RecordingError, match=r"cannot read .*none: No such file"):
         MappedFile(tmp_path / "none")
+
+
+@pytest.mark.parametrize("suffix", ["bag", "mcap"])
+def test_a_recording_that_another_program_shortens_is_reported(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"a.{suffix}"
+    with closing(create_recording(path, chunk_bytes=300)) as writer:
+        number = writer.add_connection(connection())
+        for index in range(3000):
+            writer.write(number, index, [text(f"message {index}")])
+    with closing(open_recording(path)) as reader:
+        messages = reader.messages()
+        next(messages)
+        os.truncate(path, 8192)
+        with pytest.raises(RecordingError, match="another program has shortened it"):
+            list(messages)

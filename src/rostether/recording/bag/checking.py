@@ -42,7 +42,7 @@ def _chunk_faults(data: Buffer, chunk: BagChunk, order: TimeOrder) -> list[str]:
     counts: dict[int, int] = {}
     first, last = 1 << 64, -1
     try:
-        plain = unpack_chunk(memoryview(data), chunk)
+        plain = unpack_chunk(memoryview(data)[chunk.data_start : chunk.data_end], chunk)
         for time_ns, _, _, number in messages_in(plain):
             counts[number] = counts.get(number, 0) + 1
             first, last = min(first, time_ns), max(last, time_ns)

@@ -259,7 +259,7 @@ def _add_cut_chunk(content: McapContent, data: Buffer, position: int, limit: int
 
 
 def _add_found(content: McapContent, data: Buffer, chunk: StoredChunk) -> None:
-    plain = unpack_chunk(memoryview(data), chunk)
+    plain = unpack_chunk(memoryview(data)[chunk.data_start : chunk.data_end], chunk)
     found = messages_in(plain, content)
     counts, first_ns, last_ns = tally(found, content.channels, content.note, "channel")
     if not counts:

@@ -95,7 +95,7 @@ class DataCheck:
             # The summary may omit chunks.
             check_unpacked_size(self._packed_bytes, len(data))
         try:
-            plain = unpack_chunk(memoryview(data), chunk)
+            plain = unpack_chunk(memoryview(data)[chunk.data_start : chunk.data_end], chunk)
         except RecordingError as error:
             self._report(f"{where}: {error}")
             return found
