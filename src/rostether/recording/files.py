@@ -51,7 +51,7 @@ def open_recording(path: Path, *, is_native: bool = False, damage: str = "") -> 
     if path.is_dir() or path.name == "metadata.yaml":
         from rostether.recording.ros2.bag_reader import Ros2BagReader
 
-        return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native)
+        return Ros2BagReader(path if path.is_dir() else path.parent, is_native=is_native, damage=damage)
     require_regular_file(path)
     # The error for a file with unknown first bytes depends on its suffix.
     extension = "" if is_bag(path) else Path(path.name.removesuffix(ACTIVE_SUFFIX)).suffix

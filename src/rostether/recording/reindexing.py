@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from functools import partial
@@ -23,6 +24,7 @@ from rostether.recording.files import (
     Form,
     create_recording,
     form_of,
+    is_bag,
     is_mcap,
     locked,
     open_recording,
@@ -62,6 +64,9 @@ def reindex(path: Path, output: Path, *, keep_original: Path | None = None) -> R
             reader = open_recording(path, is_native=True, damage=faults[0])
         damage = reader.damage
         if not damage and path == output:
+            if not is_mcap(path) and not is_bag(path):
+                # `file_faults` does not check databases, but a damaged one cannot be read to its end.
+                deque(reader.messages(), maxlen=0)
             return Repaired("", sum(reader.counts.values()))
         written = _rewrite(reader, path, output, _most_used_compression(reader), keep_original)
     finally:

@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import os
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from rostether.errors import RecordingError
-from rostether.recording.files import create_recording, open_recording
+from rostether.recording.checking import file_faults
+from rostether.recording.files import Form, create_recording, open_recording
 from rostether.recording.reindexing import copy, refuse_same, reindex
 from unit.recording.bags import connection, text, write_bag
 
@@ -86,3 +89,31 @@ def test_a_copy_that_fails_leaves_no_file(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="broken"):
         copy(open_recording(path), tmp_path / "b.bag")
     assert not (tmp_path / "b.bag").exists()
+
+
+def _ros2_folder(folder: Path, storage: str) -> Path:
+    """Make a ROS 2 bag, and return the path of its file."""
+    bag = folder.with_suffix(".bag")
+    write_bag(bag)
+    with closing(open_recording(bag)) as reader:
+        copy(reader, folder, form=Form.ROS2, storage=storage)
+    (file,) = (each for each in folder.iterdir() if each.name != "metadata.yaml")
+    return file
+
+
+def test_the_damaged_file_of_a_ros2_bag_is_repaired(tmp_path: Path) -> None:
+    folder = tmp_path / "a"
+    file = _ros2_folder(folder, "mcap")
+    data = file.read_bytes()
+    file.write_bytes(data.replace(b"message 14", b"message 15"))
+    repaired = reindex(folder, folder, keep_original=tmp_path / "before")
+    assert "checksum" in repaired.damage
+    assert file_faults(folder) == []
+
+
+def test_a_damaged_database_is_not_reported_as_complete(tmp_path: Path) -> None:
+    file = _ros2_folder(tmp_path / "a", "sqlite3")
+    os.truncate(file, file.stat().st_size - 40)
+    for path in (file, file.parent):
+        with pytest.raises(RecordingError, match=r"a_0.db3: database disk image is malformed$"):
+            reindex(path, path)

@@ -28,12 +28,13 @@ class Ros2BagReader:
     """A bag being read; see `recording.recorded.RecordingReader`.
 
     Messages are returned as ROS 1 bytes, with the fields of ROS 2 if `is_native`. Raises RecordingError if
-    the folder is not a bag, and ConfigError if an extra is missing.
+    the folder is not a bag, and ConfigError if an extra is missing. `damage`, if given, is the reason not to
+    use the indexes of its MCAP files.
     """
 
-    def __init__(self, path: Path, *, is_native: bool = False) -> None:
+    def __init__(self, path: Path, *, is_native: bool = False, damage: str = "") -> None:
         self.path = path
-        self.damage = ""
+        self.damage = damage
         self._stack = ExitStack()
         try:
             metadata = read_metadata(path)
@@ -58,7 +59,7 @@ class Ros2BagReader:
         self._files: list[McapReader | Db3Reader] = []
         try:
             for name in metadata.files:
-                self._files.append(self._open(path / name, metadata, is_native=is_native))
+                self._files.append(self._open(path / name, metadata, is_native=is_native, damage=damage))
                 self._stack.callback(self._files[-1].close)
         except BaseException:
             self._stack.close()
@@ -104,7 +105,9 @@ class Ros2BagReader:
         """Close the files. Idempotent."""
         self._stack.close()
 
-    def _open(self, path: Path, metadata: Metadata, *, is_native: bool) -> McapReader | Db3Reader:
+    def _open(
+        self, path: Path, metadata: Metadata, *, is_native: bool, damage: str
+    ) -> McapReader | Db3Reader:
         unpack: Callable[[bytes], bytes] | None = None
         if metadata.compression_mode == "message":
             if metadata.compression_format != "zstd":
@@ -117,7 +120,7 @@ class Ros2BagReader:
             path = self._unpacked_file(path)
         if path.name.removesuffix(ACTIVE_SUFFIX).endswith(".db3"):
             return Db3Reader(path, is_native=is_native, unpack=unpack)
-        return McapReader(path, is_native=is_native, unpack=unpack)
+        return McapReader(path, is_native=is_native, unpack=unpack, damage=damage)
 
     def _unpacked_file(self, path: Path) -> Path:
         """Return the path of the unpacked copy of a compressed file; it exists while the bag is open."""

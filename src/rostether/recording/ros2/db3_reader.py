@@ -78,9 +78,10 @@ class Db3Reader:
             self.span_ns = self._read_span()
         except (sqlite3.Error, TypeError, ValueError) as error:
             self.close()
-            raise RecordingError(
-                f"{path} is not a recording of rosbag2, or is broken: {first_line(error)}"
-            ) from None
+            reason = first_line(error)
+            if isinstance(error, UnicodeDecodeError):
+                reason = "it contains text that is not UTF-8"
+            raise RecordingError(f"{path} is not a recording of rosbag2, or is broken: {reason}") from None
 
     @property
     def counts(self) -> Mapping[Connection, int]:
