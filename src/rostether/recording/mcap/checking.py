@@ -5,18 +5,16 @@ The order of the checks is that of the file: data section, summary, summary offs
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Mapping
 
 from rostether.errors import RecordingError
 from rostether.recording.compression import Buffer
-from rostether.recording.mcap.content import McapContent, footer_of
+from rostether.recording.mcap.content import McapContent, footer_of, has_damaged_summary
 from rostether.recording.mcap.data_check import DataCheck, record_name
 from rostether.recording.mcap.records import (
     FOOTER_BYTES,
     MAGIC,
     SUMMARY_OFFSET,
-    U32,
     ChunkIndex,
     Op,
     Statistics,
@@ -75,7 +73,7 @@ class _Check:
             return
         if summary != position or not summary <= (offsets or footer) <= footer:
             raise RecordingError(f"its footer states that the summary starts at {summary}, not at {position}")
-        if crc and zlib.crc32(data[summary : len(data) - len(MAGIC) - U32.size]) != crc:
+        if has_damaged_summary(data, summary, crc):
             self.report("the checksum (CRC) of its summary is wrong")
         groups = self._check_summary(summary, offsets or footer)
         if offsets:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import zlib
 from collections.abc import Iterator
 
 from msgspec import field
@@ -109,15 +110,22 @@ def footer_of(data: Buffer) -> tuple[int, int, int]:
     return decode_footer(data, content, end)
 
 
+def has_damaged_summary(data: Buffer, position: int, checksum: int) -> bool:
+    """Return whether the summary at a position differs from its checksum; 0 is no checksum."""
+    return checksum != 0 and zlib.crc32(data[position : len(data) - len(MAGIC) - U32.size]) != checksum
+
+
 def _by_summary(data: Buffer) -> McapContent:
     content = McapContent()
     op, start, end = read_record(data, len(MAGIC))
     if op != Op.HEADER:
         raise RecordingError("it does not start with a header")
     check_header(data, start, end)
-    position = footer_of(data)[0]
+    position, _, checksum = footer_of(data)
     if position == 0:
         raise RecordingError("it has no index")
+    if has_damaged_summary(data, position, checksum):
+        raise RecordingError("the checksum (CRC) of its index is wrong")
     statistics: Statistics | None = None
     indexes: list[ChunkIndex] = []
     summary_end = len(data) - len(MAGIC) - FOOTER_BYTES

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import struct
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from mcap.writer import CompressionType, IndexType, Writer
 
 from rostether.recording.mcap.checking import MAX_FAULTS, faults_of
+from rostether.recording.mcap.reader import McapReader
 from rostether.recording.mcap.records import MAGIC, Op, encode_record, read_record
 from rostether.recording.mcap.writer import McapWriter
 from unit.recording.bags import IMU, START_NS, connection, text, write_reset
@@ -93,11 +95,16 @@ def test_a_wrong_checksum_is_reported(ours: bytearray) -> None:
     assert start < end
 
 
-def test_a_wrong_checksum_of_the_summary_is_reported(ours: bytearray) -> None:
+def test_a_wrong_checksum_of_the_summary_is_reported(ours: bytearray, tmp_path: Path) -> None:
     _, start, _ = _records(ours, Op.STATISTICS)[0]
     ours[start] ^= 1
     reported = faults_of(bytes(ours))
     assert "the checksum (CRC) of its summary is wrong" in reported
+    path = tmp_path / "a.mcap"
+    path.write_bytes(ours)
+    with closing(McapReader(path)) as reader:
+        assert reader.damage == "the checksum (CRC) of its index is wrong"
+        assert sum(reader.counts.values()) == 40
     assert any(fault == "its statistics state 41 messages, not 40" for fault in reported)
 
 
