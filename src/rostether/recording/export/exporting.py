@@ -88,6 +88,8 @@ class Export:
         if not self.tables:
             if errors:
                 raise errors[0]
+            if by_type:
+                raise ConfigError("no topic can be written")
             known = ", ".join(sorted({each.topic for each in reader.counts})) or "none"
             missing = " or ".join(topics)
             if type_name:

@@ -170,6 +170,8 @@ def test_messages_that_do_not_fit_are_skipped_and_counted(tmp_path: Path) -> Non
     assert "std_msgs/Bool" in table.why
     assert len(texts["on"].getvalue().splitlines()) == 3
     assert "/broken" in reported[0]
+    with pytest.raises(ConfigError, match=r"^no topic can be written$"):
+        Export(BagReader(path), topics=("/broken",), report=reported.append)
 
 
 def test_a_topic_with_two_types_has_two_tables(tmp_path: Path) -> None:
