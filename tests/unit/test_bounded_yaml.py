@@ -75,6 +75,11 @@ def test_what_is_not_yaml(text: str) -> None:
         load(text)
 
 
+def test_errors_do_not_name_a_file_that_the_user_does_not_know() -> None:
+    with pytest.raises(YamlError, match=r"control characters are not allowed at, position 3$"):
+        load("a: \0")
+
+
 def test_the_place_of_a_mistake() -> None:
     with pytest.raises(YamlError) as caught:
         load("a: 1\nb: }")

@@ -10,6 +10,8 @@ _NAMES = {"str": "string", "int": "integer", "float": "number", "bool": "boolean
 
 def explain_fault(error: Exception) -> str:
     """Return the reason of an error of msgspec, after its place: `baud: expected integer, got string`."""
+    if isinstance(error, UnicodeDecodeError):
+        return f"not UTF-8 text at byte {error.start}"
     reason, _, place = str(error).partition(" - at `$")
     reason = re.sub(r"`([^`]*)`", lambda quoted: re.sub(r"\w+|\|", _translated, quoted[1]), reason)
     if not reason.startswith("JSON"):

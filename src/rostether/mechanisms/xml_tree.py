@@ -74,12 +74,14 @@ def parse_xml(
 ) -> XmlElement:
     """Return the root element of a document.
 
-    Raises the error of `make_error` for a document that is not XML, is larger than `max_bytes` or nested too
+    Raises the error of `make_error` for a document that is not XML, is empty, larger than `max_bytes` or nested too
     deeply, or declares a DTD or an entity. `what` names the kind of document, as in "a launch file". Without
     `encoding`, the document names its encoding.
     """
     if len(data) > max_bytes:
         raise make_error(f"larger than {max_bytes} bytes, so it is not {what}", 0)
+    if not data:
+        raise make_error(f"empty, so it is not {what}", 0)
     return _Builder(file, make_error, encoding).build(data)
 
 

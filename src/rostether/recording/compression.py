@@ -101,9 +101,8 @@ def decompress(name: str, data: Buffer, size_bytes: int) -> Buffer:
             plain = _unpacked(name, data, size_bytes)
         except (ConfigError, RecordingError):
             raise
-        except Exception as error:  # noqa: BLE001 - each library raises its own errors for broken data
-            reason = str(error) or type(error).__name__
-            raise RecordingError(f"a chunk compressed with {name} is broken ({reason})") from None
+        except Exception:  # noqa: BLE001 - each library raises its own errors for broken data
+            raise RecordingError(f"a chunk compressed with {name} is broken") from None
     if len(plain) != size_bytes:
         raise RecordingError(f"a chunk has {len(plain)} bytes instead of {size_bytes}")
     return plain

@@ -118,6 +118,8 @@ def _explain(file: Path, xacro: Any, error: Exception) -> str:
     file_name = next((str(each) for each in reversed(xacro.filestack or ()) if each), str(file))
     if isinstance(cause, OSError) and cause.filename is not None:
         return f"{file_name}: {read_failure(Path(cause.filename), cause)}"
+    if isinstance(cause, UnicodeDecodeError):
+        return f"{file_name}: not UTF-8 text at byte {cause.start}; save it as UTF-8"
     text = fold_line(str(error)) or type(cause).__name__
     return text if isinstance(cause, RobotModelError) else f"{file_name}: {text}"
 

@@ -31,3 +31,9 @@ def test_the_reason_has_the_place_and_the_types_of_json(text: str, reason: str) 
     with pytest.raises(msgspec.DecodeError) as failure:
         msgspec.json.decode(text, type=_Settings)
     assert explain_fault(failure.value) == reason
+
+
+def test_bytes_that_are_not_utf8_are_named() -> None:
+    with pytest.raises(UnicodeDecodeError) as failure:
+        msgspec.json.decode(b'["\xe9"]')
+    assert explain_fault(failure.value) == "not UTF-8 text at byte 0"

@@ -78,6 +78,13 @@ def test_errors_are_one_line_with_the_file(tmp_path: Path, inside: str, reported
     assert "\n" not in str(refusal.value)
 
 
+def test_only_utf8_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "a.xacro"
+    file.write_text('<?xml version="1.0" encoding="latin-1"?><robot name="ä"/>', encoding="latin-1")
+    with pytest.raises(RobotModelError, match=r"a\.xacro: not UTF-8 text at byte 53; save it as UTF-8$"):
+        expand(file)
+
+
 def test_a_dtd_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "bomb.xacro"
     file.write_text('<!DOCTYPE r [<!ENTITY a "b">]><robot name="&a;"/>')
