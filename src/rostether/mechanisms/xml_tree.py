@@ -74,9 +74,9 @@ def parse_xml(
 ) -> XmlElement:
     """Return the root element of a document.
 
-    Raises the error of `make_error` for a document that is not XML, is empty, larger than `max_bytes` or nested too
-    deeply, or declares a DTD or an entity. `what` names the kind of document, as in "a launch file". Without
-    `encoding`, the document names its encoding.
+    Raises the error of `make_error` for a document that is empty, not XML, larger than `max_bytes` or nested
+    too deeply, or declares a DTD or an entity. `what` names the kind of document, as in "a launch file".
+    Without `encoding`, the document names its encoding.
     """
     if len(data) > max_bytes:
         raise make_error(f"larger than {max_bytes} bytes, so it is not {what}", 0)

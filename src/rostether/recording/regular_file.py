@@ -11,10 +11,7 @@ from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import read_failure
-from rostether.recording.compression import Buffer
-
-# Larger parts of a file are not copied.
-_MAX_COPIED_BYTES = 8 << 20
+from rostether.recording.compression import MAX_LISTED_BYTES, Buffer
 
 SQLITE_MAGIC = b"SQLite format 3\0"
 
@@ -74,7 +71,7 @@ class MappedFile:
         If another program shortens the file, or its disk is unplugged, the next access to `view` ends the
         process with SIGBUS. This method reports it, except for large parts.
         """
-        if end - start > _MAX_COPIED_BYTES or not hasattr(os, "pread"):
+        if end - start > MAX_LISTED_BYTES or not hasattr(os, "pread"):
             return self.view[start:end]
         try:
             data = os.pread(self._descriptor, end - start, start)

@@ -114,7 +114,7 @@ def _stored(compression: str, size_bytes: int, start: int, end: int) -> StoredCh
     return StoredChunk(start, end, compression, size_bytes, 0, 0, None)
 
 
-def test_a_chunk_is_unpacked_from_its_position() -> None:
+def test_a_chunk_is_unpacked() -> None:
     plain = b"ab" * 50
     stored = compress(LZ4, plain)
     view = memoryview(b"xx" + stored + plain)

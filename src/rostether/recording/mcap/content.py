@@ -115,8 +115,7 @@ def has_damaged_summary(data: Buffer, position: int, checksum: int) -> bool:
     return checksum != 0 and zlib.crc32(data[position : len(data) - len(MAGIC) - U32.size]) != checksum
 
 
-def _by_summary(data: Buffer) -> McapContent:
-    content = McapContent()
+def _summary_position(data: Buffer) -> int:
     op, start, end = read_record(data, len(MAGIC))
     if op != Op.HEADER:
         raise RecordingError("it does not start with a header")
@@ -126,6 +125,12 @@ def _by_summary(data: Buffer) -> McapContent:
         raise RecordingError("it has no index")
     if has_damaged_summary(data, position, checksum):
         raise RecordingError("the checksum (CRC) of its index is wrong")
+    return position
+
+
+def _by_summary(data: Buffer) -> McapContent:
+    content = McapContent()
+    position = _summary_position(data)
     statistics: Statistics | None = None
     indexes: list[ChunkIndex] = []
     summary_end = len(data) - len(MAGIC) - FOOTER_BYTES
