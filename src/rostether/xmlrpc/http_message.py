@@ -32,6 +32,7 @@ _REASONS = {
     405: b"Method Not Allowed",
     413: b"Content Too Large",
     415: b"Unsupported Media Type",
+    431: b"Request Header Fields Too Large",
 }
 
 
@@ -50,6 +51,7 @@ class HttpServerSide:
         self._max_body_bytes = max_body_bytes
         self._body = bytearray()
         self._chunk_count = 0
+        self._wants_body = True
         self._out = bytearray()
 
         # Whether `next_request` stopped before the end of its data: call it again soon.
@@ -125,6 +127,7 @@ class HttpServerSide:
 
     def _check_request(self, request: h11.Request) -> None:
         headers = dict(request.headers)
+        self._wants_body = request.method != b"HEAD"
         if request.method != b"POST":
             self._refuse(405, "this is an XML-RPC server of a ROS graph; send it a POST")
         elif b"origin" in headers:
@@ -158,7 +161,8 @@ class HttpServerSide:
         length = (b"Content-Length", b"%d" % len(body))
         try:
             self._send(h11.Response(status_code=status, reason=reason, headers=[*headers, length]))
-            self._send(h11.Data(data=body))
+            if self._wants_body:
+                self._send(h11.Data(data=body))
             self._send(h11.EndOfMessage())
         except h11.LocalProtocolError as error:
             raise LocalProtocolError(f"no response can be sent now: {error}") from None
