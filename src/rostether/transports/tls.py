@@ -122,9 +122,8 @@ def load_own_certificate(context: ssl.SSLContext, certificate: str, key: str | N
                 f"the key {key_path} has a password; remove it: openssl pkey -in {key_path} -out NEW_FILE"
             )
         else:
-            reason = (
-                f"{certificate_path} or {key_path} is damaged: {show_ssl_reason(error)}; create both again"
-            )
+            files = dict.fromkeys((str(certificate_path), str(key_path)))
+            reason = f"{' or '.join(files)} is damaged; create the certificate and its key again"
         raise ConfigError(reason) from None
     if (fault := _find_date_fault(certificate_path, key_path)) is not None:
         _LOG.warning("%s: %s; replace it, or set the clock of this machine", certificate_path, fault)

@@ -39,6 +39,9 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
         b"".join((folder / f"plain.{end}").read_bytes() for end in ("pem", "key"))
     )
     (folder / "torn.pem").write_bytes((folder / "plain.pem").read_bytes()[:200])
+    (folder / "torn_both.pem").write_bytes(
+        (folder / "torn.pem").read_bytes() + (folder / "plain.key").read_bytes()
+    )
     return folder
 
 
@@ -51,7 +54,8 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("plain.pem", None, r"plain\.pem contains no private key in PEM format; add it, or give its file"),
         ("plain.pem", "locked.key", r"the key \S*locked\.key has a password; remove it: openssl pkey -in "),
         ("locked.pem", "plain.key", r"plain\.key is not the key of the certificate \S*locked\.pem"),
-        ("torn.pem", "plain.key", r"torn\.pem or \S*plain\.key is damaged: "),
+        ("torn.pem", "plain.key", r"torn\.pem or \S*plain\.key is damaged; create the certificate"),
+        ("torn_both.pem", None, r"^\S*torn_both\.pem is damaged; create the certificate and its key again$"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_named(
