@@ -11,13 +11,7 @@ from rostether.errors import RecordingError
 from rostether.mechanisms.text import first_line, read_failure
 from rostether.msgdef.full_text import MAX_FULL_TEXT_CHARACTERS
 from rostether.recording.compression import CompressionShare, StoredChunk
-from rostether.recording.recorded import (
-    Connection,
-    RecordedMessage,
-    Ros2Origin,
-    Wanted,
-    wanted_connections,
-)
+from rostether.recording.recorded import Connection, RecordedMessage, Ros2Origin, Wanted, wanted_connections
 from rostether.recording.regular_file import SQLITE_MAGIC, require_regular_file
 from rostether.recording.ros2_types import CDR, RecordedTopics
 
