@@ -14,7 +14,7 @@ from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
-from rostether.recording.compression import check_compression
+from rostether.recording.compression import check_compression, compress
 
 # The size that rosbag uses: it compresses well, and one message is still quick to read.
 DEFAULT_CHUNK_BYTES = 768 * 1024
@@ -94,9 +94,11 @@ class ChunkedWriter(ABC):
         if self._chunk_bytes >= self._limit_bytes:
             self.flush()
 
-    @abstractmethod
     def flush(self) -> None:
         """End the chunk and write it. Raises RecordingError; the file then ends with the previous chunk."""
+        if self._start_ns is not None:
+            plain = b"".join(self._parts)
+            self._write_chunk(plain, compress(self._compression, plain), self._start_ns)
 
     def close(self) -> None:
         """Write the index and close the file. Idempotent. Raises RecordingError; the chunks are kept."""
@@ -121,6 +123,10 @@ class ChunkedWriter(ABC):
 
         All headers have the same length.
         """
+
+    @abstractmethod
+    def _write_chunk(self, plain: bytes, stored: bytes, start_ns: int) -> None:
+        """Write the open chunk, which is compressed to `stored`, and its indexes with `_append_chunk`."""
 
     @abstractmethod
     def _write_end(self) -> None:

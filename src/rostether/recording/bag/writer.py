@@ -29,7 +29,7 @@ from rostether.recording.bag.records import (
     encode_time,
 )
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES, ChunkedWriter
-from rostether.recording.compression import NONE, compress
+from rostether.recording.compression import NONE
 from rostether.recording.recorded import Connection
 
 # The beginning of a message record: the length of its header, and the fields conn, op and time. With their
@@ -75,12 +75,7 @@ class BagWriter(ChunkedWriter):
             )
         return number
 
-    def flush(self) -> None:
-        """End the chunk and write it. Raises RecordingError; the file then ends with the previous chunk."""
-        if self._start_ns is None:
-            return
-        plain = b"".join(self._parts)
-        stored = compress(self._compression, plain)
+    def _write_chunk(self, plain: bytes, stored: bytes, start_ns: int) -> None:
         position = self._file.position
         if not self._is_sorted:
             # Debian's rosbag searches the index by bisection.
@@ -90,7 +85,7 @@ class BagWriter(ChunkedWriter):
             Op.CHUNK, {b"compression": self._compression.encode(), b"size": U32.pack(len(plain))}, stored
         )
         indexes = [_index_record(number, entries) for number, entries in self._index.items()]
-        info = _ChunkInfo(position, self._start_ns, self._end_ns, counts)
+        info = _ChunkInfo(position, start_ns, self._end_ns, counts)
         known = self._known | self._index.keys()
         self._append_chunk(b"".join((record, *indexes)), sum(count for _, count in counts))
         self._known = known

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rostether.errors import ConfigError, RecordingError
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES, ChunkedWriter
-from rostether.recording.compression import BZ2, NONE, compress
+from rostether.recording.compression import BZ2, NONE
 from rostether.recording.mcap.records import (
     CHUNK_HEAD,
     FOOTER,
@@ -105,14 +105,9 @@ class McapWriter(ChunkedWriter):
         """Write messages that arrived at the same time. Raises RecordingError if the disk rejects them."""
         super().write(number, min(max(time_ns, 0), _MAX_TIME_NS), payloads)
 
-    def flush(self) -> None:
-        """End the chunk and write it. Raises RecordingError; the file then ends with the previous chunk."""
-        if self._start_ns is None:
-            return
-        plain = b"".join(self._parts)
-        stored = compress(self._compression, plain)
+    def _write_chunk(self, plain: bytes, stored: bytes, start_ns: int) -> None:
         name = "" if self._compression == NONE else self._compression
-        head = CHUNK_HEAD.pack(self._start_ns, self._end_ns, len(plain), zlib.crc32(plain))
+        head = CHUNK_HEAD.pack(start_ns, self._end_ns, len(plain), zlib.crc32(plain))
         content = b"".join((head, encode_text(name), U64.pack(len(stored)), stored))
         record = encode_record(Op.CHUNK, content)
         position = self._file.position
@@ -127,7 +122,7 @@ class McapWriter(ChunkedWriter):
         index = ChunkIndex(
             position=position,
             length=len(record),
-            start_ns=self._start_ns,
+            start_ns=start_ns,
             end_ns=self._end_ns,
             indexes=index_offsets,
             indexes_bytes=offset - position - len(record),
