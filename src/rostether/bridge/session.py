@@ -211,7 +211,6 @@ class Session:
         self._after_link()
 
     def _after_link(self) -> None:
-        """Send the link's data and set its timer."""
         self.outbox.flush()
         due_s = self.link.get_timer()
         if due_s is None:

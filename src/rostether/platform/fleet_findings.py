@@ -108,7 +108,6 @@ def _pair_findings(pairs: Sequence[tuple[RobotKey, RobotKey, bool]]) -> list[Fle
 
 
 def _clock_findings(clocks: Mapping[RobotKey, ClockOffset]) -> list[FleetFinding]:
-    """Compare the clocks of the robots and of this machine."""
     if not clocks:
         return []
     offsets = {"this machine": ClockOffset(0.0, 0.0)}

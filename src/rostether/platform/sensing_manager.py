@@ -95,7 +95,6 @@ class SensingManager:
                     await subscriber.close()
 
     async def _wait(self, following: asyncio.Task[object]) -> None:
-        """Wait until the list has changed."""
         while True:
             if following.done():
                 following.result()
@@ -196,7 +195,6 @@ class SensingManager:
         self._has_changes.set()
 
     async def _save(self) -> None:
-        """Write the sensors if they have changed."""
         if self._state_path is None or not self._is_unsaved:
             return
         self._is_unsaved = False

@@ -89,7 +89,6 @@ def _match(table: TomlTable) -> DeviceMatch | None:
 
 
 def _settings(table: TomlTable, base: DeviceSettings) -> DeviceSettings:
-    """Return the settings of a table merged into other settings."""
     return DeviceSettings(
         baud=_or(table.whole("baud", 1, MAX_BAUD), base.baud),
         reset=_or(table.flag("reset"), base.reset),

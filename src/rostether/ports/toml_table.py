@@ -133,7 +133,6 @@ class TomlTable:
         }
 
     def _entries(self, key: str) -> Iterator[tuple[str, object, str]]:
-        """Yield keys, values and paths of a nested table."""
         inner = self.table(key)
         for name, value in inner._content.items():
             yield name, value, inner._at(name)

@@ -113,7 +113,6 @@ class Capture:
         raise ConfigError(f"{self.path} is empty; record it again with `rostether link record`")
 
     def _lines(self) -> Iterator[tuple[int, bytes, bool]]:
-        """Yield each line with its number, and whether it is complete."""
         try:
             with self.path.open("rb") as file:
                 number = 0

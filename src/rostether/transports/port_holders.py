@@ -95,7 +95,6 @@ def _created_terminal(pid: int, links: dict[str, str], target: str) -> bool:
 
 
 def _name_of(pid: int) -> str:
-    """Return the name of a process; for Python, also the name of its script."""
     try:
         name = Path(f"/proc/{pid}/comm").read_text(encoding="utf-8", errors="replace").strip()
         words = Path(f"/proc/{pid}/cmdline").read_bytes().decode("utf-8", "replace").split("\0")

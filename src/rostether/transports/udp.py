@@ -55,8 +55,6 @@ class _DatagramWire(Protocol):
 
 
 class _DatagramSocket(asyncio.DatagramProtocol):
-    """A UDP socket and the table of its peers."""
-
     def __init__(self) -> None:
         self.peers: PeerTable[_Peer]
         self._wire: _DatagramWire | None = None

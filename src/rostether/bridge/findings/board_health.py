@@ -98,7 +98,6 @@ class BoardHealth:
 
 
 def _radio_loss(radio: LinkQuality) -> Iterator[Finding]:
-    """Yield a finding if many packets to the board are not acknowledged."""
     loss = radio.recent_loss
     if loss is not None and loss >= MUCH_RADIO_LOSS:
         signal = "" if radio.rssi_dbm is None else f", signal {radio.rssi_dbm} dBm"

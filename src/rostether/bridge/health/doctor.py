@@ -190,7 +190,6 @@ def _needs_search(watched: BoardObservations) -> bool:
 
 
 def _judge_search(address: SerialAddress, watched: BoardObservations, found: NoBoard) -> Finding:
-    """Return the finding if no baud rate gave a frame."""
     first = watched.findings[0]
     if found.text_baud is not None:
         return error(

@@ -182,7 +182,6 @@ class FoundPort:
             self._reporter.report(Level.WARN, str(error))
 
     async def _leave_alone(self, reprobe_s: float | None) -> None:
-        """Wait until there is a reason to probe again."""
         loop = asyncio.get_running_loop()
         left_s = loop.time()
         mark = _use_mark(self.port.path)

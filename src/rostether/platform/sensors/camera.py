@@ -50,8 +50,6 @@ async def publish_pictures(
 
 
 class _Camera:
-    """Takes pictures and publishes them."""
-
     def __init__(
         self,
         sensor: RegisteredSensor,

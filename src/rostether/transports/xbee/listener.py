@@ -164,7 +164,6 @@ class XbeeListener(SmallWriter):
             return
 
     def _forget_radio(self) -> None:
-        """Reset the state of the radio and of the boards' links."""
         self._decoder = XbeeFrameDecoder()
         self._radio = HostRadio()
         self._queue: SendQueue[int] = SendQueue(lambda: self._radio.packet_bytes)
@@ -220,7 +219,6 @@ class XbeeListener(SmallWriter):
         self._pump()
 
     def _pump(self) -> None:
-        """Send the packets for which the radio has room."""
         if self._serial is None or not self._radio.is_ready:
             return
         frames = bytearray()
