@@ -11,7 +11,7 @@ from pathlib import Path
 from rostether.errors import ConfigError, TransportError
 from rostether.mechanisms.text import write_failure
 from rostether.transports.capture import FIRST_LINK
-from rostether.transports.transport import Receiver, Transport
+from rostether.transports.transport import PausingTransport, Receiver, Transport
 
 # An hour of a full line at 115200 baud: small enough to send when compressed, and to fit on any disk.
 DEFAULT_LIMIT_BYTES = 100 << 20
@@ -144,16 +144,16 @@ class CaptureWriter:
             self._report(reason)
 
 
-class RecordedTransport:
+class RecordedTransport(PausingTransport):
     """A transport whose bytes are recorded; created by `CaptureWriter.tap`."""
 
     def __init__(self, inner: Transport, writer: CaptureWriter, link: int) -> None:
+        super().__init__()
         self.peer, self.remote = inner.peer, inner.remote
         self.proof, self.can_pause = inner.proof, inner.can_pause
         self._inner = inner
         self._writer = writer
         self._link = link
-        self._receiver: Receiver | None = None
         self._has_ended = False
 
     @property
@@ -201,16 +201,6 @@ class RecordedTransport:
         self._end(error)
         if self._receiver is not None:
             self._receiver.connection_lost(error)
-
-    def pause_writing(self) -> None:
-        """Report that the inner transport's buffer is full."""
-        if self._receiver is not None:
-            self._receiver.pause_writing()
-
-    def resume_writing(self) -> None:
-        """Report that the inner transport's buffer has room."""
-        if self._receiver is not None:
-            self._receiver.resume_writing()
 
     def _end(self, error: TransportError | None) -> None:
         if not self._has_ended:

@@ -13,8 +13,7 @@ from enum import Enum
 from typing import TypeAlias
 
 from rostether.errors import TransportClosedError, TransportError
-from rostether.transports.board_keys import NO_PROOF, Proof
-from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, Receiver
+from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, PausingTransport, Receiver
 
 
 class Direction(Enum):
@@ -40,26 +39,22 @@ def memory_pair(
     return first, second
 
 
-class MemoryTransport:
+class MemoryTransport(PausingTransport):
     """One end of a pair; made by `memory_pair`."""
-
-    remote: str | None = None
-    proof: Proof = NO_PROOF
 
     def __init__(
         self, peer: str, direction: Direction, manipulator: Manipulator | None, *, can_pause: bool
     ) -> None:
+        super().__init__()
         self.peer = peer
         self._direction = direction
         self._manipulator = manipulator
         self.can_pause = can_pause
         self._other = self
-        self._receiver: Receiver | None = None
         self._arrived: deque[bytes] = deque()
         self._arrived_bytes = 0
         self._is_delivery_scheduled = False
         self._is_paused = False
-        self._is_writing_paused = False
         self._has_ended = False
         self._error: TransportError | None = None
         self._end_event = asyncio.Event()
@@ -86,9 +81,7 @@ class MemoryTransport:
         if chunk:
             self._other._arrive(chunk)
         if self.can_pause and not self._is_writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
-            self._is_writing_paused = True
-            if self._receiver is not None:
-                self._receiver.pause_writing()
+            self.pause_writing()
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""
@@ -150,7 +143,6 @@ class MemoryTransport:
             receiver.connection_lost(self._error)
 
     def _drained(self) -> None:
-        if self._is_writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:
-            self._is_writing_paused = False
-            if self._receiver is not None and not self._has_ended:
-                self._receiver.resume_writing()
+        is_low = self.write_buffer_bytes <= LOW_WATER_BYTES
+        if self._is_writing_paused and is_low and not self._has_ended:
+            self.resume_writing()

@@ -17,11 +17,10 @@ from pathlib import Path
 
 from rostether.errors import ConfigError, TransportOpenError
 from rostether.transports.address import PtyAddress
-from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.pty_link import PtyLink
 from rostether.transports.sockets import explain_reason
 from rostether.transports.stream import FLUSH_LIMIT_S
-from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, Receiver
+from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, PausingTransport, Receiver
 
 # Users do not notice this delay, and the checks cost less than 0.1 % of a CPU.
 _OPENER_POLL_S = 0.05
@@ -63,20 +62,18 @@ def open_pty(address: PtyAddress) -> PtyTransport:
     return PtyTransport(master, terminal, link)
 
 
-class PtyTransport:
+class PtyTransport(PausingTransport):
     """Our side of a pseudo-terminal; created by `open_pty`. The link points to `terminal`."""
 
-    remote: str | None = None
-    proof: Proof = NO_PROOF
     # A full terminal blocks its writer.
     can_pause = True
 
     def __init__(self, master: int, terminal: str, link: PtyLink) -> None:
+        super().__init__()
         self._loop = asyncio.get_running_loop()
         self._master = master
         self.terminal = terminal
         self._link = link
-        self._receiver: Receiver | None = None
         self._wants_reading = True
         self._is_reading = False
         self._is_open = False
@@ -84,7 +81,6 @@ class PtyTransport:
         self._poll = select.poll()
         self._poll.register(master, select.POLLIN)
         self._unsent = bytearray()
-        self._is_writing_paused = False
         self._is_closing = False
         self._ended = asyncio.Event()
         self._flush_limit: asyncio.TimerHandle | None = None
@@ -122,9 +118,7 @@ class PtyTransport:
             self._loop.add_writer(self._master, self._write_ready)
         self._unsent += data
         if not self._is_writing_paused and len(self._unsent) > HIGH_WATER_BYTES:
-            self._is_writing_paused = True
-            if self._receiver is not None:
-                self._receiver.pause_writing()
+            self.pause_writing()
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""
@@ -186,7 +180,7 @@ class PtyTransport:
             if self._is_closing:
                 self._end_when_read()
                 return
-        self._resume_writing()
+        self._resume_when_drained()
 
     def _send(self, data: bytes | bytearray | memoryview) -> int:
         try:
@@ -197,11 +191,10 @@ class PtyTransport:
             self._hung_up()
             return 0
 
-    def _resume_writing(self) -> None:
-        if self._is_writing_paused and len(self._unsent) <= LOW_WATER_BYTES:
-            self._is_writing_paused = False
-            if self._receiver is not None and not self._is_closing:
-                self._receiver.resume_writing()
+    def _resume_when_drained(self) -> None:
+        is_low = len(self._unsent) <= LOW_WATER_BYTES
+        if self._is_writing_paused and is_low and not self._is_closing:
+            self.resume_writing()
 
     def _hung_up(self) -> None:
         """Forget the program that closed the terminal, with all its unread bytes."""
@@ -215,7 +208,7 @@ class PtyTransport:
         if self._is_closing:
             self._end()
             return
-        self._resume_writing()
+        self._resume_when_drained()
         _discard_unread(self.terminal)
         self._check_for_opener()
 

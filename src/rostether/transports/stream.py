@@ -8,10 +8,9 @@ import ssl
 from typing import cast
 
 from rostether.errors import PeerClosedError, TransportClosedError, TransportError
-from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.sockets import explain_reason
 from rostether.transports.tls import HANDSHAKE_LIMIT_S
-from rostether.transports.transport import Receiver
+from rostether.transports.transport import PausingTransport, Receiver
 
 # A board that does not read must not delay the end of this process: later data is lost.
 FLUSH_LIMIT_S = 1.0
@@ -20,20 +19,16 @@ FLUSH_LIMIT_S = 1.0
 READ_CHUNK_BYTES = 64 * 1024
 
 
-class StreamTransport(asyncio.BaseProtocol):
+class StreamTransport(PausingTransport, asyncio.BaseProtocol):
     """One open byte stream as a `Transport`; created by the modules of TCP and serial ports."""
 
-    remote: str | None = None
-    proof: Proof = NO_PROOF
-
     def __init__(self, peer: str, *, can_pause: bool) -> None:
+        super().__init__()
         self.peer = peer
         self.can_pause = can_pause
         self._wire: asyncio.Transport | None = None
-        self._receiver: Receiver | None = None
         self._early = bytearray()
         self._wants_reading = True
-        self._is_writing_paused = False
         self._is_closing = False
         self._is_lost = False
         self._error: TransportError | None = None
@@ -162,18 +157,6 @@ class StreamTransport(asyncio.BaseProtocol):
         if self._flush_limit is None and self._wire is not None:
             self._flush_limit = asyncio.get_running_loop().call_later(FLUSH_LIMIT_S, self._wire.abort)
         return False
-
-    def pause_writing(self) -> None:
-        """Report that the write buffer is full."""
-        self._is_writing_paused = True
-        if self._receiver is not None:
-            self._receiver.pause_writing()
-
-    def resume_writing(self) -> None:
-        """Report that the write buffer has drained."""
-        self._is_writing_paused = False
-        if self._receiver is not None:
-            self._receiver.resume_writing()
 
     def _deliver(self, data: bytes) -> None:
         if self._receiver is not None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Protocol
 
 from rostether.errors import TransportError
-from rostether.transports.board_keys import Proof
+from rostether.transports.board_keys import NO_PROOF, Proof
 
 # Limits of written bytes that wait, for transports with their own buffers: those of asyncio's sockets.
 HIGH_WATER_BYTES = 64 * 1024
@@ -81,6 +81,29 @@ class Transport(Protocol):
 
     async def wait_closed(self) -> None:
         """Wait until the transport has ended."""
+
+
+class PausingTransport:
+    """Base class of transports that tell their receiver when to pause writing."""
+
+    remote: str | None = None
+    proof: Proof = NO_PROOF
+
+    def __init__(self) -> None:
+        self._receiver: Receiver | None = None
+        self._is_writing_paused = False
+
+    def pause_writing(self) -> None:
+        """Report that the write buffer is full."""
+        self._is_writing_paused = True
+        if self._receiver is not None:
+            self._receiver.pause_writing()
+
+    def resume_writing(self) -> None:
+        """Report that the write buffer has drained."""
+        self._is_writing_paused = False
+        if self._receiver is not None:
+            self._receiver.resume_writing()
 
 
 class Listener(Protocol):

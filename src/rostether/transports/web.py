@@ -18,8 +18,7 @@ from msgspec.structs import replace
 
 from rostether.errors import PeerClosedError, RemoteProtocolError, TransportClosedError, TransportError
 from rostether.transports.address import WebAddress
-from rostether.transports.board_keys import NO_PROOF, Proof
-from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, Receiver
+from rostether.transports.transport import HIGH_WATER_BYTES, LOW_WATER_BYTES, PausingTransport, Receiver
 from rostether.transports.web_hello import WebHello, read_hello, read_progress
 
 # A page names its board immediately.
@@ -55,7 +54,7 @@ class WebSocket(Protocol):
         """Close immediately."""
 
 
-class WebTransport:
+class WebTransport(PausingTransport):
     """One board behind a page; made by `WebBoards.open`.
 
     `connect` serves the board that the page names, or returns the reason for a refusal. `forget` is called at
@@ -63,8 +62,6 @@ class WebTransport:
     `received`, `paused`, `resumed` and `closed` are the events of the connection to the page.
     """
 
-    remote: str | None = None
-    proof: Proof = NO_PROOF
     can_pause = False
 
     def __init__(
@@ -73,19 +70,18 @@ class WebTransport:
         connect: Callable[[WebTransport, WebHello], str | None],
         forget: Callable[[WebTransport], None],
     ) -> None:
+        super().__init__()
         self.address = WebAddress()
         self.hello: WebHello | None = None
         self._socket = socket
         self._connect = connect
         self._forget = forget
         self._loop = asyncio.get_running_loop()
-        self._receiver: Receiver | None = None
         self._early: list[bytes] = []
         self._is_reading = True
         self._unsent = bytearray()
         self._sent_bytes = 0
         self._written_bytes = 0
-        self._is_writing_paused = False
         self._error: TransportError | None = None
         self._ended = asyncio.Event()
         self._received_at_s = self._loop.time()
@@ -115,9 +111,7 @@ class WebTransport:
         self._unsent += data
         self._send()
         if not self._is_writing_paused and self.write_buffer_bytes > HIGH_WATER_BYTES:
-            self._is_writing_paused = True
-            if self._receiver is not None:
-                self._receiver.pause_writing()
+            self.pause_writing()
 
     def pause_reading(self) -> None:
         """Deliver nothing until resume_reading. Idempotent."""
@@ -229,9 +223,7 @@ class WebTransport:
         self._written_bytes = written_bytes
         self._send()
         if self._is_writing_paused and self.write_buffer_bytes <= LOW_WATER_BYTES:
-            self._is_writing_paused = False
-            if self._receiver is not None:
-                self._receiver.resume_writing()
+            self.resume_writing()
 
     def _check_alive(self) -> None:
         # A page whose messages are not read cannot report.
