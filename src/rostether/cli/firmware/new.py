@@ -9,20 +9,16 @@ import click
 
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import write_line
-from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
+from rostether.cli.shell.verbs import verb, verb_group
 from rostether.errors import ConfigError
 
-_VERBS = verb_entries(
-    "rostether.cli.firmware",
-    {
-        "sensor": ("new:new_sensor", "Write the sketch of a sensor."),
-    },
+new = verb_group(
+    "new",
+    "Write a new sketch.",
+    {"sensor": ("new:new_sensor", "Write the sketch of a sensor.")},
+    "rostether new sensor ultrasound",
+    package="rostether.cli.firmware",
 )
-
-
-@click.group(cls=LazyGroup, verbs=_VERBS, examples="rostether new sensor ultrasound")
-def new() -> None:
-    """Write a new sketch."""
 
 
 def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:

@@ -13,29 +13,13 @@ from rostether.cli.launch.builtin_nodes import builtin_nodes
 from rostether.cli.shell.completion import is_plain
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, warn, write_line, write_result
-from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
+from rostether.cli.shell.verbs import verb, verb_group
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.definition_files import bundled_names, bundled_packages
 from rostether.packages.locate import package_folders
 from rostether.packages.search_path import OnDuplicate
 
-VERBS = verb_entries(
-    "rostether.cli.launch",
-    {
-        "create": ("pkg_create:create", "Write a new package, like catkin_create_pkg."),
-        "list": ("pkg:list_packages", "List packages and their folders."),
-        "find": ("pkg:find", "Print a package's folder."),
-        "list-names": ("pkg:list_names", "List the names of packages."),
-        "depends1": ("pkg:depends1", "List the direct dependencies of a package."),
-        "version": ("pkg:version", "Print a package's version, like rosversion."),
-        "init-workspace": (
-            "pkg_make:init",
-            "Mark a folder as a workspace's src, like catkin_init_workspace.",
-        ),
-        "make": ("pkg_make:make", "Check a workspace and list its contents, without a build."),
-    },
-)
 # The distribution whose protocols and definitions rostether implements.
 _DISTRIBUTION = "noetic"
 
@@ -85,20 +69,32 @@ def warned_duplicates() -> Iterator[OnDuplicate]:
         warn(f"WARNING: {len(lines) - MAX_WARNINGS} more packages have duplicate names")
 
 
-@click.group(
-    cls=LazyGroup,
-    verbs=VERBS,
-    examples="""
+pkg = verb_group(
+    "pkg",
+    """Work with ROS packages: folders with a package.xml. They need not be built.
+
+    They are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it.
+    """,
+    {
+        "create": ("pkg_create:create", "Write a new package, like catkin_create_pkg."),
+        "list": ("pkg:list_packages", "List packages and their folders."),
+        "find": ("pkg:find", "Print a package's folder."),
+        "list-names": ("pkg:list_names", "List the names of packages."),
+        "depends1": ("pkg:depends1", "List the direct dependencies of a package."),
+        "version": ("pkg:version", "Print a package's version, like rosversion."),
+        "init-workspace": (
+            "pkg_make:init",
+            "Mark a folder as a workspace's src, like catkin_init_workspace.",
+        ),
+        "make": ("pkg_make:make", "Check a workspace and list its contents, without a build."),
+    },
+    """
     rostether pkg create my_robot std_msgs rospy
     rostether pkg list
     cd "$(rostether pkg find my_robot)"
     """,
+    package="rostether.cli.launch",
 )
-def pkg() -> None:
-    """Work with ROS packages: folders with a package.xml. They need not be built.
-
-    They are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it.
-    """
 
 
 def folder_of(name: str) -> Path:

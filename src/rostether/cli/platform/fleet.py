@@ -22,15 +22,22 @@ from rostether.cli.shell.option_group import (
     shared,
 )
 from rostether.cli.shell.output import json_option, warn, write_finding, write_json, write_line, write_table
-from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
+from rostether.cli.shell.verbs import verb, verb_group
 from rostether.graph.ports import Level
 from rostether.platform.command_frame import ALL_GROUPS, type_kind
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped, silence_text
 from rostether.platform.robot_table import Robot
 
 _CONTROL = "arduino_control/ArduinoControl"
-_VERBS = verb_entries(
-    "rostether.cli.platform",
+_robot = click.argument("robot", type=click.IntRange(1, MAX_ROBOT), required=False, metavar="[ROBOT]")
+
+
+fleet = verb_group(
+    "fleet",
+    """Command robots by id and group, over UDP multicast.
+
+    The robots run `rostether role multicast-topic-receiver` with `_framed:=true`. All have the same key.
+    """,
     {
         "list": ("fleet:list_robots", "List the robots that answer."),
         "status": ("fleet:status", "Show loss, signal and sender of robots."),
@@ -38,24 +45,13 @@ _VERBS = verb_entries(
         "drive": ("fleet:drive", "Drive robots in a direction."),
         "stop": ("fleet:stop", "Stop robots, even those of other senders."),
     },
-)
-_robot = click.argument("robot", type=click.IntRange(1, MAX_ROBOT), required=False, metavar="[ROBOT]")
-
-
-@click.group(
-    cls=LazyGroup,
-    verbs=_VERBS,
-    examples="""
+    """
     rostether fleet list --key-file fleet.key
     rostether fleet drive 3 --speed 0.5 --for 2 --key-file fleet.key
     rostether fleet stop --key-file fleet.key
     """,
+    package="rostether.cli.platform",
 )
-def fleet() -> None:
-    """Command robots by id and group, over UDP multicast.
-
-    The robots run `rostether role multicast-topic-receiver` with `_framed:=true`. All have the same key.
-    """
 
 
 @verb("list", "rostether fleet list --interface wlan0 --key-file fleet.key")

@@ -10,7 +10,7 @@ import click
 from rostether.cli.access.either_graph import joined_either
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.output import json_option, write_json, write_line, write_table
-from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
+from rostether.cli.shell.verbs import verb, verb_group
 from rostether.errors import GraphError
 
 if TYPE_CHECKING:
@@ -33,27 +33,23 @@ _FIELDS = (
     "state",
     "state_text",
 )
-_VERBS = verb_entries(
-    "rostether.cli.platform",
+
+
+sensor = verb_group(
+    "sensor",
+    "List, show and rename the sensors of all platforms.",
     {
         "list": ("sensor:list_sensors", "List the sensors by platform."),
         "show": ("sensor:show", "Show one sensor."),
         "rename": ("sensor:rename", "Give a sensor another name."),
     },
-)
-
-
-@click.group(
-    cls=LazyGroup,
-    verbs=_VERBS,
-    examples="""
+    """
     rostether sensor list
     rostether sensor show sensor_node0
     rostether sensor rename sensor_node0 "Front camera"
     """,
+    package="rostether.cli.platform",
 )
-def sensor() -> None:
-    """List, show and rename the sensors of all platforms."""
 
 
 @verb("list", "rostether sensor list")

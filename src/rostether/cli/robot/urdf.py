@@ -13,7 +13,7 @@ import click
 from rostether.cli.shell.input import read_bytes
 from rostether.cli.shell.option_group import EXISTING_FILE, PATH, add_flag, add_option, ignored_options
 from rostether.cli.shell.output import json_option, warn, write_file, write_json, write_line
-from rostether.cli.shell.verbs import LazyGroup, verb, verb_entries
+from rostether.cli.shell.verbs import verb, verb_group
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import escape_line, write_failure
 from rostether.pictures.tree import MAX_INDENTED, branch
@@ -21,28 +21,24 @@ from rostether.pictures.tree import MAX_INDENTED, branch
 if TYPE_CHECKING:
     from rostether.robot.robot_model import Joint, RobotModel
 
-_VERBS = verb_entries(
-    "rostether.cli.robot",
-    {
-        "check": ("urdf:check", "Check a description, like check_urdf."),
-        "tree": ("urdf:tree", "Show links and joints."),
-    },
-)
 
 _file = click.argument("file", type=EXISTING_FILE)
 _mappings = click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
 
 
-@click.group(
-    cls=LazyGroup,
-    verbs=_VERBS,
-    examples="""
+urdf = verb_group(
+    "urdf",
+    "Check and show robot descriptions, URDF or xacro.",
+    {
+        "check": ("urdf:check", "Check a description, like check_urdf."),
+        "tree": ("urdf:tree", "Show links and joints."),
+    },
+    """
     rostether urdf check robot.urdf
     rostether urdf tree robot.urdf.xacro gripper:=true
     """,
+    package="rostether.cli.robot",
 )
-def urdf() -> None:
-    """Check and show robot descriptions, URDF or xacro."""
 
 
 @verb("check", "rostether urdf check robot.urdf\nrostether urdf check robot.urdf.xacro gripper:=true")

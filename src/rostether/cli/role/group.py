@@ -5,12 +5,11 @@
 
 from __future__ import annotations
 
-import click
+from rostether.cli.shell.verbs import verb_group
 
-from rostether.cli.shell.verbs import LazyGroup, verb_entries
-
-ROLES = verb_entries(
-    "rostether.cli",
+role = verb_group(
+    "role",
+    "Run a standard ROS node, as `rostether run` and launch files do.",
     {
         "make-libraries": (
             "launch.pkg_make:make_libraries",
@@ -91,16 +90,9 @@ ROLES = verb_entries(
         ),
         "rqt-plot": ("plot.rqt_plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
     },
-)
-
-
-@click.group(
-    cls=LazyGroup,
-    verbs=ROLES,
-    examples="""
+    """
     rostether role make-libraries ~/Arduino/libraries
     rostether role rosserial-server-serial _port:=/dev/ttyACM0 _baud:=115200
     """,
+    package="rostether.cli",
 )
-def role() -> None:
-    """Run a standard ROS node, as `rostether run` and launch files do."""
