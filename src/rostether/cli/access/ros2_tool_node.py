@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
@@ -38,25 +39,17 @@ MAX_SHOWN_DOMAINS = 8
 QUIET_S = {Middleware.ZENOH: 0.1, Middleware.RCLPY: 0.8}
 
 
+@dataclass(eq=False, slots=True)
 class ToolNode:
-    """The node of one command on a ROS 2 graph."""
+    """The node of one command on a ROS 2 graph; `line` names the graph that it has joined, for users."""
 
-    def __init__(
-        self,
-        graph: TypedGraph,
-        registry: NativeRegistry,
-        types: Ros2Types,
-        middleware: Middleware,
-        is_linked: Callable[[], bool],
-        line: str,
-    ) -> None:
-        self.graph = graph
-        self.registry = registry
-        self.types = types
-        self.middleware = middleware
-        self.is_linked = is_linked
-        self.line = line  # Which graph it has joined, for users.
-        self._is_other_domain_reported = False
+    graph: TypedGraph
+    registry: NativeRegistry
+    types: Ros2Types
+    middleware: Middleware
+    is_linked: Callable[[], bool]
+    line: str
+    _is_other_domain_reported: bool = False
 
     async def snapshot(self) -> GraphView:
         """Return the current graph without this node."""

@@ -165,9 +165,7 @@ async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
 async def wait_for_answer(environment: RosEnvironment) -> None:
     """Wait until a ROS master answers at the environment's URI."""
     # No event announces a master, so it is asked repeatedly.
-    while True:
-        if await master_answers(environment):
-            return
+    while not await master_answers(environment):
         await asyncio.sleep(_POLL_S)
 
 
