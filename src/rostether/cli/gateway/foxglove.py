@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
 import os
 from collections.abc import AsyncIterator, Mapping, Sequence
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,7 +35,8 @@ from rostether.cli.gateway.node import (
     whole_number,
 )
 from rostether.cli.gateway.options import (
-    DEFAULT_ADDRESS,
+    NO_OPTIONS,
+    GatewayOptions,
     client_options,
     read_encryption,
     read_listen_address,
@@ -50,7 +50,6 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
-    from rostether.cli.gateway.options import GatewayOptions
     from rostether.gateways.foxglove.gateway import DashboardParts, FoxgloveGateway
     from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
     from rostether.graph.ports import Graph
@@ -87,12 +86,8 @@ def foxglove(
     """
     address, node = read_gateway_arguments(words, graph.arguments)
     settings = read_settings(address, replace(gateways, allow=graph.allow))
-
-    def open_gateway(graphs: ServedGraphs, report: Report) -> AbstractAsyncContextManager[FoxgloveGateway]:
-        gateway_graph = with_ros1_types(graphs, msg_paths)
-        return _gateway(settings, node, gateway_graph, report, "`rostether foxglove 0.0.0.0:{port}`")
-
-    serve_gateway(graph, msg_paths, open_gateway)
+    remote_option = "`rostether foxglove 0.0.0.0:{port}`"
+    serve_gateway(graph, msg_paths, partial(foxglove_gateway, settings, node, remote_option, msg_paths))
 
 
 @verb(
@@ -117,17 +112,26 @@ def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> Non
 
 @asynccontextmanager
 async def foxglove_gateway(
-    options: GatewayOptions, graphs: ServedGraphs, msg_paths: Sequence[Path], report: Report
+    settings: FoxgloveSettings,
+    node: NodeNaming,
+    remote_option: str,
+    msg_paths: Sequence[Path],
+    graphs: ServedGraphs,
+    report: Report,
 ) -> AsyncIterator[FoxgloveGateway]:
-    """Serve Foxglove at `options.foxglove` until the end of the block.
+    """Serve Foxglove until the end of the block; see `report_reach` for `remote_option`.
 
     Raises ConfigError, TransportOpenError if the port is not free, GraphError if another node has the name.
     """
-    settings = await asyncio.to_thread(read_settings, options.foxglove or DEFAULT_ADDRESS, options)
+    from rostether.gateways.foxglove.settings import DEFAULT_PORT
+
     gateway_graph = with_ros1_types(graphs, msg_paths)
-    async with _gateway(
-        settings, NodeNaming(), gateway_graph, report, "--foxglove 0.0.0.0:{port}"
-    ) as gateway:
+    name = node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT)
+    graph = await joined_as(gateway_graph, node, name, report)
+    async with (
+        closed_at_end(graph),
+        _reported_gateway(graph, gateway_graph, settings, report, remote_option) as gateway,
+    ):
         yield gateway
 
 
@@ -149,8 +153,10 @@ def read_settings(address: str, options: GatewayOptions) -> FoxgloveSettings:
     )
 
 
-def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> FoxgloveSettings:
-    """Return the settings from the node's parameters. Raises ConfigError naming the parameter."""
+def settings_of_parameters(
+    parameters: Mapping[str, Any], options: GatewayOptions = NO_OPTIONS
+) -> FoxgloveSettings:
+    """Return the settings from the node's parameters and options. Raises ConfigError naming the parameter."""
     from rostether.gateways.foxglove.settings import (
         CAPABILITIES,
         DEFAULT_PORT,
@@ -167,7 +173,8 @@ def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> Fo
     return FoxgloveSettings(
         host=str(parameters.get("address") or DEFAULT_HOST),
         port=whole_number(parameters, "port", DEFAULT_PORT),
-        token=token,
+        token=options.token,
+        origins=options.origins,
         certificate=certificate,
         key=key,
         capabilities=tuple(each for each in CAPABILITIES if wanted is None or each in wanted),
@@ -180,10 +187,9 @@ def settings_of_parameters(parameters: Mapping[str, Any], token: str = "") -> Fo
 
 
 async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
-    settings = settings_of_parameters(await private_parameters(graph), gateways.token)
-    settings = replace(settings, origins=gateways.origins)
+    settings = settings_of_parameters(await private_parameters(graph), gateways)
     gateway_graph = role_gateway_graph(arguments, graph.store)
-    async with _gateway_on(
+    async with _reported_gateway(
         graph.raw, gateway_graph, settings, ConsoleReporter().report, "address 0.0.0.0"
     ) as gateway:
         await gateway.wait_ended()
@@ -204,27 +210,7 @@ def with_ros1_types(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayG
 
 
 @asynccontextmanager
-async def _gateway(
-    settings: FoxgloveSettings,
-    node: NodeNaming,
-    gateway_graph: GatewayGraph,
-    report: Report,
-    remote_option: str,
-) -> AsyncIterator[FoxgloveGateway]:
-    from rostether.gateways.foxglove.settings import DEFAULT_PORT
-
-    graph = await joined_as(
-        gateway_graph, node, node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT), report
-    )
-    async with (
-        closed_at_end(graph),
-        _gateway_on(graph, gateway_graph, settings, report, remote_option) as gateway,
-    ):
-        yield gateway
-
-
-@asynccontextmanager
-async def _gateway_on(
+async def _reported_gateway(
     graph: Graph, gateway_graph: GatewayGraph, settings: FoxgloveSettings, report: Report, remote_option: str
 ) -> AsyncIterator[FoxgloveGateway]:
     async with gateway_on(graph, gateway_graph, settings, report) as gateway:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import Report, open_gateway_graph
+from rostether.cli.gateway.node import NodeNaming
 from rostether.cli.gateway.options import GatewayOptions
 
 
@@ -28,7 +30,11 @@ async def optional_gateways(
             graph = await stack.enter_async_context(open_gateway_graph(graphs, graph_options, msg_paths))
             await stack.enter_async_context(rosbridge_gateway(options, graph, report))
         if options.foxglove is not None:
-            from rostether.cli.gateway.foxglove import foxglove_gateway
+            from rostether.cli.gateway.foxglove import foxglove_gateway, read_settings
 
-            await stack.enter_async_context(foxglove_gateway(options, graphs, msg_paths, report))
+            settings = await asyncio.to_thread(read_settings, options.foxglove, options)
+            remote_option = "--foxglove 0.0.0.0:{port}"
+            await stack.enter_async_context(
+                foxglove_gateway(settings, NodeNaming(), remote_option, msg_paths, graphs, report)
+            )
         yield

@@ -55,6 +55,9 @@ class GatewayOptions(Struct, frozen=True):
             raise ConfigError("--view-token and --token must differ")
 
 
+NO_OPTIONS = GatewayOptions()
+
+
 def is_listen_address(word: str) -> bool:
     """Return whether a word is [HOST:]PORT or an IP address: the value of the option before it."""
     return _ADDRESS.fullmatch(word) is not None

@@ -35,6 +35,7 @@ from rostether.cli.gateway.node import (
 )
 from rostether.cli.gateway.options import (
     DEFAULT_ADDRESS,
+    NO_OPTIONS,
     TOKEN_VARIABLE,
     GatewayOptions,
     access_options,
@@ -217,7 +218,7 @@ def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) ->
 
 async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
     parameters = await node_parameters(graph, arguments.rest)
-    settings = replace(read_settings(parameters, gateways.token), origins=gateways.origins)
+    settings = read_settings(parameters, gateways)
     gateway_graph = role_gateway_graph(arguments, graph.store)
     report = ConsoleReporter().report
     async with rosbridge_server(graph.raw, gateway_graph, settings, report, "address 0.0.0.0") as server:
@@ -236,12 +237,12 @@ async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, 
     return parameters
 
 
-def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSettings:
-    """Return the settings from the node's parameters. Raises ConfigError naming the parameter."""
+def read_settings(parameters: Mapping[str, Any], options: GatewayOptions = NO_OPTIONS) -> RosbridgeSettings:
+    """Return the settings from the node's parameters and options. Raises ConfigError naming the parameter."""
     from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeLimits, RosbridgeSettings
     from rostether.gateways.websocket.settings import DEFAULT_HOST
 
-    if is_true(parameters, "authenticate") and not token:
+    if is_true(parameters, "authenticate") and not options.token:
         raise ConfigError(f"~authenticate needs a token; set {TOKEN_VARIABLE} in the environment of the node")
     is_secure = is_true(parameters, "ssl") or bool(parameters.get("certfile"))
     certificate, key = certificate_files(parameters, "ssl") if is_secure else ("", "")
@@ -249,7 +250,8 @@ def read_settings(parameters: Mapping[str, Any], token: str = "") -> RosbridgeSe
     return RosbridgeSettings(
         host=str(parameters.get("address") or DEFAULT_HOST),
         port=whole_number(parameters, "port", DEFAULT_PORT),
-        token=token,
+        token=options.token,
+        origins=options.origins,
         path="" if parameters.get("websocket_path") in (None, "/") else str(parameters["websocket_path"]),
         limits=RosbridgeLimits(message_bytes=max_bytes) if max_bytes else RosbridgeLimits(),
         deflate=is_true(parameters, "use_compression"),
