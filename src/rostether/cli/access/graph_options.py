@@ -235,7 +235,7 @@ def graph_options(
     if allow or served:
         text = _SERVED_ALLOW if served else _TOOL_ALLOW
         options.append(add_option("--allow CIDR", text, multiple=True))
-    build = partial(_chosen_graph, takes_both=takes_both)
+    build: Callable[..., GraphOptions] = _chosen_graph if takes_both else _one_graph
     if not ros:
         # The verb may have --ros1 and --ros2 with another meaning.
         build = partial(_chosen_graph, ros1=True, ros2=None)
@@ -249,9 +249,16 @@ def ros_arguments() -> Mapping[str, str]:
     return arguments if isinstance(arguments, dict) else {}
 
 
+def _one_graph(
+    *, ros1: bool = False, ros2: str | None = None, master: str | None = None, allow: tuple[str, ...] = ()
+) -> GraphOptions:
+    if ros1 and ros2:
+        raise click.UsageError("this command uses one graph; give --ros1 or --ros2, not both")
+    return _chosen_graph(ros1=ros1, ros2=ros2, master=master, allow=allow)
+
+
 def _chosen_graph(
     *,
-    takes_both: bool = True,
     ros1: bool = False,
     ros2: str | None = None,
     master: str | None = None,
@@ -261,8 +268,6 @@ def _chosen_graph(
     zenoh_router: str = "auto",
     params_files: tuple[Path, ...] = (),
 ) -> GraphOptions:
-    if ros1 and ros2 and not takes_both:
-        raise click.UsageError("this command uses one graph; give --ros1 or --ros2, not both")
     return GraphOptions(
         ros1=ros1,
         ros2=chosen_middleware(ros1=ros1, ros2=ros2),

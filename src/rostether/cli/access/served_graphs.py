@@ -165,7 +165,9 @@ async def own_master(environment: RosEnvironment) -> AsyncIterator[UsedMaster]:
 async def wait_for_answer(environment: RosEnvironment) -> None:
     """Wait until a ROS master answers at the environment's URI."""
     # No event announces a master, so it is asked repeatedly.
-    while not await master_answers(environment):
+    while True:
+        if await master_answers(environment):
+            return
         await asyncio.sleep(_POLL_S)
 
 

@@ -14,12 +14,10 @@ from msgspec.structs import replace
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.dashboard.browser import has_browser, open_browser
 from rostether.cli.dashboard.served import Dashboard, served_dashboard
 from rostether.cli.dashboard.settings import DashboardSettings
-from rostether.cli.dashboard.view import PANELS, read_view
-from rostether.cli.gateway.gateways import Report, serve_gateway
-from rostether.cli.gateway.node import read_gateway_arguments
+from rostether.cli.dashboard.view import PANELS, has_browser, open_browser, read_view
+from rostether.cli.gateway.gateways import Report, read_gateway_arguments, serve_gateway
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, GatewayOptions, viewer_access_options
 from rostether.cli.shell.option_group import EXISTING_FILE, flag, option, option_group
 from rostether.cli.shell.verbs import verb

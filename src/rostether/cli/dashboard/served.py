@@ -21,8 +21,7 @@ from msgspec.structs import replace
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard.view import View
 from rostether.cli.gateway.foxglove import gateway_on, with_ros1_types
-from rostether.cli.gateway.gateways import Report, joined_as, report_reach
-from rostether.cli.gateway.node import NodeNaming
+from rostether.cli.gateway.gateways import NodeNaming, Report, joined_as, report_reach
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, Encryption, read_encryption, read_listen_address
 from rostether.cli.shell.output import write_line
 from rostether.errors import TransportOpenError

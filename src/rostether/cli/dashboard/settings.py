@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct, field
 
-from rostether.cli.gateway.node import NodeNaming
+from rostether.cli.gateway.gateways import NodeNaming
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, GatewayOptions
 
 if TYPE_CHECKING:

@@ -1,9 +1,12 @@
-"""A part of the dashboard's page that opens first, such as a plot of one value."""
+"""A part of the dashboard's page that opens first, such as a plot of one value, and the browser for it."""
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import json
+import sys
+import webbrowser
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from urllib.parse import quote
@@ -81,3 +84,18 @@ def _read_rviz(path: Path) -> View:
     if len(content) > _MAX_RVIZ_BYTES:
         raise ConfigError(f"{path} is larger than {_MAX_RVIZ_BYTES >> 20} MiB; give an .rviz file")
     return View("scene", {"rviz": "view.rviz"}, {"view.rviz": content})
+
+
+async def open_browser(url: str) -> None:
+    """Open an address in the user's browser, if there is one."""
+    # A browser that does not start is not an error: the terminal shows the address.
+    await asyncio.gather(asyncio.to_thread(webbrowser.open, url), return_exceptions=True)
+
+
+def has_browser(environ: Mapping[str, str]) -> bool:
+    """Return whether a window can open: a text browser in this terminal would hide the output."""
+    if not sys.stdout.isatty():
+        return False
+    if sys.platform in ("darwin", "win32"):
+        return "SSH_CONNECTION" not in environ
+    return bool(environ.get("DISPLAY") or environ.get("WAYLAND_DISPLAY"))

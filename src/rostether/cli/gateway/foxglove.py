@@ -19,19 +19,17 @@ from rostether.cli.access.ros1_access import type_store
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
+    NodeNaming,
     Report,
+    certificate_files,
+    is_true,
     joined_as,
+    private_parameters,
+    read_gateway_arguments,
     report_reach,
     role_gateway_graph,
     ros1_gateway_graph,
     serve_gateway,
-)
-from rostether.cli.gateway.node import (
-    NodeNaming,
-    certificate_files,
-    is_true,
-    private_parameters,
-    read_gateway_arguments,
     whole_number,
 )
 from rostether.cli.gateway.options import (

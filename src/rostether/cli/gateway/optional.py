@@ -9,8 +9,7 @@ from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.gateway.gateways import Report, open_gateway_graph
-from rostether.cli.gateway.node import NodeNaming
+from rostether.cli.gateway.gateways import NodeNaming, Report, open_gateway_graph
 from rostether.cli.gateway.options import GatewayOptions
 
 

@@ -18,19 +18,17 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
+    NodeNaming,
     Report,
+    certificate_files,
+    is_true,
     joined_as,
     open_gateway_graph,
+    private_parameters,
+    read_gateway_arguments,
     report_reach,
     role_gateway_graph,
     serve_gateway,
-)
-from rostether.cli.gateway.node import (
-    NodeNaming,
-    certificate_files,
-    is_true,
-    private_parameters,
-    read_gateway_arguments,
     whole_number,
 )
 from rostether.cli.gateway.options import (

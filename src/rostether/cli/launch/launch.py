@@ -180,8 +180,8 @@ async def _run(
     """Run the nodes until all have ended; return the exit code. `is_chosen`: an option named the master."""
     from rostether.cli.access.ros1_access import no_master, ros1_join
     from rostether.cli.access.served_graphs import ServedGraphs, master_answers, used_master, wait_for_answer
-    from rostether.cli.dashboard.browser import has_browser, open_browser
     from rostether.cli.dashboard.optional import optional_dashboard
+    from rostether.cli.dashboard.view import has_browser, open_browser
     from rostether.launch.node_process import StopLimits
     from rostether.launch.plan import Output
     from rostether.launch.runner import RunOptions, run_plan

@@ -76,17 +76,17 @@ pkg = verb_group(
     They are found on ROS_PACKAGE_PATH, in the catkin workspace around this folder, and below it.
     """,
     {
-        "create": ("pkg_create:create", "Write a new package, like catkin_create_pkg."),
+        "create": ("catkin:create", "Write a new package, like catkin_create_pkg."),
         "list": ("pkg:list_packages", "List packages and their folders."),
         "find": ("pkg:find", "Print a package's folder."),
         "list-names": ("pkg:list_names", "List the names of packages."),
         "depends1": ("pkg:depends1", "List the direct dependencies of a package."),
         "version": ("pkg:version", "Print a package's version, like rosversion."),
         "init-workspace": (
-            "pkg_make:init",
+            "catkin:init",
             "Mark a folder as a workspace's src, like catkin_init_workspace.",
         ),
-        "make": ("pkg_make:make", "Check a workspace and list its contents, without a build."),
+        "make": ("catkin:make", "Check a workspace and list its contents, without a build."),
     },
     """
     rostether pkg create my_robot std_msgs rospy

@@ -7,7 +7,7 @@ import shlex
 
 import click
 
-from rostether.cli.dashboard.browser import has_browser
+from rostether.cli.dashboard.view import has_browser
 from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, view_command
 from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import complete_package_folders, complete_programs, packages_here

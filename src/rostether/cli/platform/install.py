@@ -162,7 +162,7 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
 @_target_options
 def status(for_user: bool | None, root: Path | None) -> int:
     """Show what starts at boot, and whether it runs. The exit code is 1 if nothing is installed."""
-    from rostether.cli.platform.robot_check import check_robot, read_robot
+    from rostether.cli.platform.up import check_robot, read_robot
 
     installation = _installation(for_user)
     file = path_below(root, installation.robot_file)
@@ -212,7 +212,7 @@ def _has_group(name: str) -> bool:
 
 
 def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
-    from rostether.cli.platform.robot_check import check_robot, parse_robot
+    from rostether.cli.platform.up import check_robot, parse_robot
     from rostether.mechanisms.toml_text import read_toml_text
     from rostether.platform.boot.robot_file import Machine, MachineKind
 

@@ -12,7 +12,7 @@ role = verb_group(
     "Run a standard ROS node, as `rostether run` and launch files do.",
     {
         "make-libraries": (
-            "launch.pkg_make:make_libraries",
+            "launch.catkin:make_libraries",
             "Write the Arduino library, like make_libraries.py.",
         ),
         "rosserial-server-serial": (
@@ -53,23 +53,29 @@ role = verb_group(
         "mux-add": ("role.topic_tools:mux_add", "Add an input to a mux."),
         "mux-delete": ("role.topic_tools:mux_delete", "Remove an input from a mux."),
         "mux-list": ("role.topic_tools:mux_list", "List the inputs of a mux."),
-        "joy-node": ("role.joy:joy_node", "Publish a joystick's axes and buttons."),
-        "arduino-control": ("platform.sensing:arduino_control", "Turn a joystick into commands for a robot."),
+        "joy-node": ("role.robot:joy_node", "Publish a joystick's axes and buttons."),
+        "arduino-control": (
+            "platform.roles:arduino_control",
+            "Turn a joystick into commands for a robot.",
+        ),
         "multicast-topic-bridge": (
-            "platform.multicast:multicast_topic_bridge",
+            "platform.roles:multicast_topic_bridge",
             "Send a topic to a multicast group.",
         ),
         "multicast-topic-receiver": (
-            "platform.multicast:multicast_topic_receiver",
+            "platform.roles:multicast_topic_receiver",
             "Publish messages that arrive from a multicast group.",
         ),
         "fleet-monitor": (
-            "platform.multicast:fleet_monitor",
+            "platform.roles:fleet_monitor",
             "Publish the state of the fleet's robots, and stop them.",
         ),
-        "sensing-manager": ("platform.sensing:sensing_manager", "Register sensors and publish their list."),
-        "digital-tester": ("platform.sensing:digital_tester", "Publish test values as a sensor."),
-        "camera": ("platform.camera:camera", "Publish a camera as a sensor."),
+        "sensing-manager": (
+            "platform.roles:sensing_manager",
+            "Register sensors and publish their list.",
+        ),
+        "digital-tester": ("platform.roles:digital_tester", "Publish test values as a sensor."),
+        "camera": ("platform.sensor_roles:camera", "Publish a camera as a sensor."),
         "analog": ("platform.sensor_roles:analog", "Publish a number from a file or a topic as a sensor."),
         "digital": ("platform.sensor_roles:digital", "Publish a GPIO line or a topic as a sensor."),
         "gps": ("platform.sensor_roles:gps", "Publish the positions of a receiver (NMEA) as a sensor."),
@@ -88,7 +94,7 @@ role = verb_group(
             "role.robot:tf2_web_republisher",
             "Send web pages the transforms that they request.",
         ),
-        "rqt-plot": ("plot.rqt_plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
+        "rqt-plot": ("plot.plot:rqt_plot", "Plot fields of topics, like rqt_plot."),
     },
     """
     rostether role make-libraries ~/Arduino/libraries

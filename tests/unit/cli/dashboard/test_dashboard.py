@@ -15,7 +15,7 @@ from interop.ros1_peers import free_port
 from programs import Peer, started
 from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.access.served_graphs import ServedGraphs
-from rostether.cli.dashboard import browser, served
+from rostether.cli.dashboard import served, view
 from rostether.cli.dashboard.served import page_url
 from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.graph.memory_network import MemoryNetwork
@@ -275,17 +275,17 @@ async def test_a_browser_that_does_not_start_is_not_an_error(monkeypatch: pytest
         raise OSError("no browser")
 
     monkeypatch.setattr("webbrowser.open", fails)
-    await browser.open_browser("http://127.0.0.1:1")
+    await view.open_browser("http://127.0.0.1:1")
 
 
 def test_a_browser_opens_only_where_windows_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     monkeypatch.setattr("sys.platform", "linux")
-    assert browser.has_browser({"DISPLAY": ":0"})
-    assert browser.has_browser({"WAYLAND_DISPLAY": "wayland-0"})
-    assert not browser.has_browser({})
+    assert view.has_browser({"DISPLAY": ":0"})
+    assert view.has_browser({"WAYLAND_DISPLAY": "wayland-0"})
+    assert not view.has_browser({})
     monkeypatch.setattr("sys.platform", "darwin")
-    assert browser.has_browser({})
-    assert not browser.has_browser({"SSH_CONNECTION": "1.2.3.4"})
+    assert view.has_browser({})
+    assert not view.has_browser({"SSH_CONNECTION": "1.2.3.4"})
     monkeypatch.setattr("sys.stdout.isatty", lambda: False)
-    assert not browser.has_browser({"DISPLAY": ":0"})
+    assert not view.has_browser({"DISPLAY": ":0"})
