@@ -9,7 +9,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from rostether.cli.access.graph_options import GraphOptions, chosen_middleware
-from rostether.cli.shell.completion import is_plain
+from rostether.cli.shell.completion import beginning
 from rostether.errors import RostetherError
 
 if TYPE_CHECKING:
@@ -86,12 +86,12 @@ def field_names(registry: Registry, types: Mapping[str, str], typed: str) -> lis
 
 def complete_message_types(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the message types that begin with the typed text."""
-    return _beginning(_registry(ctx).messages(), incomplete)
+    return beginning(_registry(ctx).messages(), incomplete)
 
 
 def complete_service_types(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the service types that begin with the typed text."""
-    return _beginning(_registry(ctx).services(), incomplete)
+    return beginning(_registry(ctx).services(), incomplete)
 
 
 def complete_ports(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -108,7 +108,7 @@ def complete_packages(_ctx: click.Context, _param: click.Parameter, incomplete: 
     """Return the packages that have definitions and begin with the typed text."""
     from rostether.msgdef.registry import Registry
 
-    return _beginning(Registry.from_environment().packages(), incomplete)
+    return beginning(Registry.from_environment().packages(), incomplete)
 
 
 def _registry(ctx: click.Context) -> Registry:
@@ -164,14 +164,7 @@ def _complete(
             return await names(client)
 
     try:
-        return _beginning(asyncio.run(ask()), incomplete)
+        return beginning(asyncio.run(ask()), incomplete)
     except (RostetherError, OSError):
         # A shell cannot show errors here: complete nothing.
         return []
-
-
-def _beginning(names: Iterable[str], incomplete: str) -> list[str]:
-    # Commands accept `chatter` for `/chatter`, so it completes to that.
-    return sorted(
-        name for name in names if name.startswith((incomplete, f"/{incomplete}")) and is_plain(name)
-    )

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.dashboard.view import View
@@ -105,6 +104,7 @@ async def _served_at(
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.gateway import DashboardParts
     from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
+    from rostether.gateways.websocket.site import TILES
     from rostether.mechanisms.anonymous import anonymous_name
     from rostether.recording.files import Form, create_recording
 
@@ -119,10 +119,17 @@ async def _served_at(
         # ROS 2 programs read MCAP files with ROS 2 messages.
         partial(create_recording, form=Form.ROS2, types=graphs.types) if is_ros2_alone else create_recording,
     )
+    map_metadata = {}
     tiles = await asyncio.to_thread(MapTiles, settings.tiles) if settings.tiles is not None else None
+    if tiles is not None:
+        map_metadata = {"tiles": f"{TILES}{{z}}/{{x}}/{{y}}", "tiles_max_zoom": str(tiles.max_zoom)}
     site = None
     if settings.has_page:
         site = await asyncio.to_thread(_load_site, encryption, recordings, tiles, settings.views)
+    graph = await joined_as(
+        gateway_graph, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report
+    )
+    teleop = NodeNaming().name_for(TELEOP_NODE, port, DEFAULT_PORT)
     served = FoxgloveSettings(
         host,
         port,
@@ -137,16 +144,11 @@ async def _served_at(
         metadata={
             "rostether_version": version("rostether"),
             "recording_format": "mcap" if is_ros2_alone else "bag",
-            **_map_metadata(tiles),
+            # Pages recognize their own commands by this name.
+            "teleop_node": f"{graph.node_name.rpartition('/')[0]}/{teleop}",
+            **map_metadata,
         },
     )
-    graph = await joined_as(
-        gateway_graph, settings.node, settings.node.name_for(NODE, port, DEFAULT_PORT), report
-    )
-    teleop = NodeNaming().name_for(TELEOP_NODE, port, DEFAULT_PORT)
-    # Pages recognize their own commands by this name.
-    teleop_node = f"{graph.node_name.rpartition('/')[0]}/{teleop}"
-    served = replace(served, metadata={**served.metadata, "teleop_node": teleop_node})
 
     async def join_teleop() -> Graph:
         return await joined_as(gateway_graph, NodeNaming(namespace=settings.node.namespace), teleop, report)
@@ -196,14 +198,6 @@ def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = Fals
     return f"{scheme}://{show_endpoint(host, port)}/{fragment}".removesuffix("/")
 
 
-def _map_metadata(tiles: MapTiles | None) -> dict[str, str]:
-    from rostether.gateways.websocket.site import TILES
-
-    if tiles is None:
-        return {}
-    return {"tiles": f"{TILES}{{z}}/{{x}}/{{y}}", "tiles_max_zoom": str(tiles.max_zoom)}
-
-
 def _load_site(
     encryption: Encryption, recordings: Recordings, tiles: MapTiles | None, views: Sequence[View]
 ) -> Site:
@@ -218,19 +212,16 @@ def _load_site(
 def _free_port(host: str, wanted: int) -> int:
     """Return the requested port, else the next free one, else 0 for any."""
     name = LOOPBACK if host == DEFAULT_ADDRESS else host
+    family = socket.AF_INET6 if ":" in name else socket.AF_INET
     for port in range(wanted, wanted + _NEXT_PORTS):
         try:
-            with socket.create_server((name, port), family=_family(name)):
+            with socket.create_server((name, port), family=family):
                 return port
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
                 # The gateway reports the error of the address.
                 return wanted
     return 0
-
-
-def _family(host: str) -> socket.AddressFamily:
-    return socket.AF_INET6 if ":" in host else socket.AF_INET
 
 
 def qr_code(text: str) -> str:

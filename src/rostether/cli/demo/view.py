@@ -44,6 +44,7 @@ _TYPE_WIDTH = 18
 _RATE_WIDTH = 5
 _COUNT_WIDTH = 8
 _INDENT = "  "
+_ARROWS = {"publisher": "->", "subscriber": "<-"}
 
 
 class _Shown(Struct, frozen=True):
@@ -256,17 +257,13 @@ class DemoScreen:
         table = Table(*columns, expand=True, box=None, pad_edge=False, padding=(0, 2, 0, 0), show_edge=False)
         for endpoint in endpoints:
             is_topic = endpoint.role in ("publisher", "subscriber")
-            cells = [f"{_arrow(endpoint.role)} {endpoint.name}"]
+            cells = [f"{_ARROWS.get(endpoint.role, '  ')} {endpoint.name}"]
             cells += [endpoint.type] if has_type else []
             cells += [f"{self._view.rate_hz(endpoint):.1f}" if is_topic else ""] if has_rate else []
             cells += [str(endpoint.message_count) if is_topic else ""] if has_count else []
             cells.append(self._view.value(endpoint) if is_topic else "service")
             table.add_row(*cells, self._view.curve(endpoint, room))
         return table
-
-
-def _arrow(role: str) -> str:
-    return {"publisher": "->", "subscriber": "<-"}.get(role, "  ")
 
 
 def _link(board: BoardView | None, width: int) -> str:

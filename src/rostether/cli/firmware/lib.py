@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.access.completions import complete_packages
 from rostether.cli.access.options import msg_path_option
-from rostether.cli.shell.failures import EXIT_FAILED
+from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, warn, write_result
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import counted
-
-if TYPE_CHECKING:
-    from rostether.codegen.arduino_library import WrittenLibrary
 
 
 @verb(
@@ -55,7 +51,7 @@ def firmware_lib(
     micropython: bool,
     msg_paths: tuple[Path, ...],
     as_json: bool,
-) -> None:
+) -> int:
     """Write the client library with messages and services to DIR/ros_lib.
 
     An older generated library there is replaced; other folders are not changed. The C++ library works with
@@ -82,11 +78,21 @@ def firmware_lib(
             packages=packages or None,
             search=_other_libraries(directory) if sketch is not None else (),
         )
-    for line in (*written.library.skipped, *written.library.warnings):
+    library = written.library
+    for line in (*library.skipped, *library.warnings):
         warn(line)
-    write_result(_record(written), _summary(written), as_json=as_json)
-    if written.library.skipped:
-        raise click.exceptions.Exit(EXIT_FAILED)
+    record = {
+        "path": str(written.path),
+        "replaced": written.replaced,
+        "types": list(library.types),
+        "skipped": list(library.skipped),
+        "warnings": list(library.warnings),
+    }
+    package_count = len({name.partition("/")[0] for name in library.types})
+    action = "replaced" if written.replaced else "wrote"
+    counts = f"{counted(len(library.types), 'type')} of {counted(package_count, 'package')}"
+    write_result(record, f"{action} {written.path}: {counts}", as_json=as_json)
+    return EXIT_FAILED if library.skipped else EXIT_DONE
 
 
 def _other_libraries(directory: Path) -> Iterator[Path]:
@@ -101,20 +107,3 @@ def _other_libraries(directory: Path) -> Iterator[Path]:
             continue
         sources = library / "src"
         yield sources if sources.is_dir() else library
-
-
-def _summary(written: WrittenLibrary) -> str:
-    types = written.library.types
-    packages = {name.partition("/")[0] for name in types}
-    action = "replaced" if written.replaced else "wrote"
-    return f"{action} {written.path}: {counted(len(types), 'type')} of {counted(len(packages), 'package')}"
-
-
-def _record(written: WrittenLibrary) -> dict[str, object]:
-    return {
-        "path": str(written.path),
-        "replaced": written.replaced,
-        "types": list(written.library.types),
-        "skipped": list(written.library.skipped),
-        "warnings": list(written.library.warnings),
-    }

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from rostether.cli.shell.completion import beginning
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb, verb_group
@@ -24,7 +25,7 @@ new = verb_group(
 def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     from rostether.firmware.new_sketch import KINDS
 
-    return [each for each in KINDS if each.startswith(incomplete)]
+    return beginning(KINDS, incomplete)
 
 
 @verb(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -77,7 +76,7 @@ class SketchOptions:
             defines=self.defines,
             warnings=self.warnings,
             uses_arduino_cli=self.builder == ARDUINO_CLI,
-            show=_show if self.verbose else None,
+            show=(lambda command: warn(shlex.join(command))) if self.verbose else None,
         )
 
 
@@ -105,7 +104,3 @@ def _show_wait(text: str) -> None:
     # Only a person needs a notice; scripts get only the result.
     if sys.stderr.isatty():
         warn(text)
-
-
-def _show(command: Sequence[str]) -> None:
-    warn(shlex.join(command))

@@ -21,7 +21,7 @@ from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
     from rostether.firmware.elf import ElfFile
-    from rostether.firmware.footprint import Footprint, Group, Item
+    from rostether.firmware.footprint import Footprint, Group
     from rostether.firmware.sketch_endpoints import Endpoint
     from rostether.firmware.stack import StackEstimate
 
@@ -179,13 +179,10 @@ def _groups(groups: Sequence[Group]) -> Table:
     table.add_column("RAM", justify="right")
     table.add_column("largest items", overflow="fold")
     for group in groups:
-        largest = ", ".join(_describe_item(each) for each in group.largest[:SHOWN_ITEMS])
+        shown = group.largest[:SHOWN_ITEMS]
+        largest = ", ".join(f"{_short(each.name)} {max(each.flash_bytes, each.ram_bytes)}" for each in shown)
         table.add_row(group.name, f"{group.flash_bytes:,}", f"{group.ram_bytes:,}", largest)
     return table
-
-
-def _describe_item(item: Item) -> str:
-    return f"{_short(item.name)} {max(item.flash_bytes, item.ram_bytes)}"
 
 
 def _messages(endpoints: Sequence[Endpoint], buffer_bytes: int) -> Table:

@@ -8,7 +8,6 @@ dashboard replaces a program that is not installed.
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -169,11 +168,7 @@ def window_program(package: str, name: str, environ: Mapping[str, str]) -> Path 
     for library in library_folders(package, None, environ):
         if os.access(library / name, os.X_OK) and (library / name).is_file():
             return library / name
-    from rostether.cli.launch.shims import is_shim
+    from rostether.cli.launch.shims import real_program
 
-    for part in environ.get("PATH", os.defpath).split(os.pathsep):
-        found = shutil.which(name, path=part) if part else None
-        # The shim would start this command again.
-        if found is not None and not is_shim(Path(found)):
-            return Path(found)
-    return None
+    # A shim would start this command again.
+    return real_program(name, environ.get("PATH", os.defpath))

@@ -154,15 +154,16 @@ def _show(contents: PackageContents, problems: list[str], workspace: Path, *, as
 @click.argument("directory", metavar="[DIR]", type=PATH, default=Path())
 @click.argument("packages", nargs=-1, metavar="[PACKAGE]...")
 @click.pass_context
-def make_libraries(context: click.Context, directory: Path, packages: tuple[str, ...]) -> None:
+def make_libraries(context: click.Context, directory: Path, packages: tuple[str, ...]) -> int:
     """Write ros_lib for Arduino to DIR (default: this folder), with the messages of all or of some packages.
 
     Messages of other packages that DIR already contains are kept, and generated again.
     """
     wanted = (*packages, *_generated_packages(directory)) if packages else ()
-    context.invoke(
+    code: int = context.invoke(
         firmware_lib, directory=directory, sketch=None, packages=wanted, msg_paths=(), as_json=False
     )
+    return code
 
 
 def _generated_packages(directory: Path) -> list[str]:

@@ -98,17 +98,15 @@ class LaunchOptions:
 
 def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return packages with launch files; after a package, its launch files."""
-    from rostether.cli.shell.completion import is_plain
+    from rostether.cli.shell.completion import beginning
     from rostether.launch.sources import launch_files
     from rostether.packages.locate import package_folders
 
     packages = package_folders(os.environ, Path.cwd())
     words = ctx.params.get("words") or ()
     if words and words[0] in packages:
-        names = launch_files(packages[words[0]])
-    else:
-        names = sorted(name for name, folder in packages.items() if launch_files(folder))
-    return [name for name in names if name.startswith(incomplete) and is_plain(name)]
+        return beginning(launch_files(packages[words[0]]), incomplete)
+    return beginning((name for name, folder in packages.items() if launch_files(folder)), incomplete)
 
 
 @verb(

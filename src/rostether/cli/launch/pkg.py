@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.launch.builtin_nodes import builtin_nodes
-from rostether.cli.shell.completion import is_plain
+from rostether.cli.shell.completion import beginning
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, warn, write_line, write_result
 from rostether.cli.shell.verbs import verb, verb_group
@@ -30,8 +30,7 @@ MAX_WARNINGS = 3
 def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the packages on disk or built in that begin with the typed text."""
     built_in = {package for package, _ in builtin_nodes()}
-    names = sorted({*package_folders(os.environ, Path.cwd()), *built_in})
-    return [name for name in names if name.startswith(incomplete) and is_plain(name)]
+    return beginning({*package_folders(os.environ, Path.cwd()), *built_in}, incomplete)
 
 
 def complete_programs(context: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
@@ -42,7 +41,7 @@ def complete_programs(context: click.Context, _param: click.Parameter, incomplet
     found = {program for owner, program in builtin_nodes() if owner == package}
     if folder := package_folders(os.environ, Path.cwd()).get(package):
         found.update(each.name for each in programs(folder))
-    return [name for name in sorted(found) if name.startswith(incomplete) and is_plain(name)]
+    return beginning(found, incomplete)
 
 
 def packages_here() -> dict[str, Path]:

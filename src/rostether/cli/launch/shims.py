@@ -9,6 +9,7 @@ import contextlib
 import hashlib
 import os
 import shlex
+import shutil
 from pathlib import Path
 
 import click
@@ -108,20 +109,13 @@ def _write(file: Path, text: str) -> None:
     write_whole(file, text.encode(), mode=0o755)
 
 
-def real_ros_commands(environ_path: str, shim_folder: Path) -> dict[str, Path]:
-    """Return the commands on PATH with a shim's name that are not shims, with their paths."""
-    found: dict[str, Path] = {}
-    for name in SHIMS:
-        for part in environ_path.split(os.pathsep):
-            program = Path(part) / name
-            if (
-                part
-                and program.parent != shim_folder
-                and os.access(program, os.X_OK)
-                and not is_shim(program)
-            ):
-                found.setdefault(name, program)
-    return found
+def real_program(name: str, path: str) -> Path | None:
+    """Return the first program of this name on a search path that is not one of these scripts."""
+    for part in path.split(os.pathsep):
+        found = shutil.which(name, path=part) if part else None
+        if found is not None and not is_shim(Path(found)):
+            return Path(found)
+    return None
 
 
 def is_shim(program: Path) -> bool:
@@ -151,9 +145,9 @@ def env(shell: str | None, first: bool) -> None:
     """
     folder = write_shims()
     path = os.environ.get("PATH", "")
-    others = real_ros_commands(path, folder)
+    others = [str(found) for name in SHIMS if (found := real_program(name, path))]
     if others and not first:
-        some = listed(list(map(str, others.values())), 3)
+        some = listed(others, 3)
         warn(f"a real ROS is installed, and its commands keep precedence ({some}); --first changes that")
     name = shell or Path(os.environ.get("SHELL", "sh")).name
     write_line(shell_code(folder, first=first, is_fish=name == "fish"))

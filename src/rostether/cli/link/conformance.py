@@ -67,10 +67,19 @@ def conformance(options: ConformanceOptions) -> int:
     exit code is 0 if no case failed.
     """
     if options.prints_vectors:
-        return _print_vectors()
+        from rostether.conformance.vectors import read_vectors
+
+        for vector in read_vectors():
+            write_json(vector)
+        return EXIT_DONE
     cases = _chosen(options.names, quick=options.quick)
     if options.lists_cases:
-        _print_cases(cases, as_json=options.as_json)
+        for each in cases:
+            write_result(
+                {"case": each.name, "requirement": each.requirement},
+                f"{each.name:<20} {each.requirement}",
+                as_json=options.as_json,
+            )
         return EXIT_DONE
     if options.address is None:
         raise click.UsageError("give the client's address, for example /dev/ttyACM0 or tcp://:11411")
@@ -91,23 +100,6 @@ def _chosen(names: Sequence[str], *, quick: bool) -> list[Case]:
         for each in CASES
         if (not names or each.name in names) and not (quick and each.wait_s > QUICK_WAIT_S)
     ]
-
-
-def _print_cases(cases: Sequence[Case], *, as_json: bool) -> None:
-    for each in cases:
-        write_result(
-            {"case": each.name, "requirement": each.requirement},
-            f"{each.name:<20} {each.requirement}",
-            as_json=as_json,
-        )
-
-
-def _print_vectors() -> int:
-    from rostether.conformance.vectors import read_vectors
-
-    for each in read_vectors():
-        write_json(each)
-    return EXIT_DONE
 
 
 async def _run_client(address: str) -> None:

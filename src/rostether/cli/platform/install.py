@@ -132,7 +132,9 @@ def _enable_below(root: Path, installation: Installation) -> None:
 def uninstall(for_user: bool | None, root: Path | None) -> None:
     """Stop the robot's parts, and remove the files of `rostether install`, including robot.toml."""
     installation = _installation(for_user)
-    paths = [each for each in _written(installation) if path_below(root, each).exists()]
+    written = [installation.robot_file, installation.unit, installation.autostart]
+    written += [installation.rules] if installation.is_system else []
+    paths = [each for each in written if path_below(root, each).exists()]
     if not paths:
         write_line("nothing is installed")
         return
@@ -260,11 +262,6 @@ def _ask(question: str, default: str | None = None, choices: Sequence[str] | Non
     kind = click.Choice(choices) if choices is not None else None
     answer: str = click.prompt(question, default=default, type=kind)
     return answer
-
-
-def _written(installation: Installation) -> list[Path]:
-    paths = [installation.robot_file, installation.unit, installation.autostart]
-    return [*paths, installation.rules] if installation.is_system else paths
 
 
 def _write(files: Mapping[Path, str], root: Path | None) -> None:

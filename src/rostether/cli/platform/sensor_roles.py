@@ -22,7 +22,6 @@ from rostether.platform.sensor_parameters import SensorKind, default_platform, r
 from rostether.platform.sensors.registered_sensor import platform_word
 
 if TYPE_CHECKING:
-    from rostether.platform.sensors.cascade import CascadeDetector
     from rostether.platform.sensors.picture_sources import PictureSource
 
 
@@ -212,6 +211,7 @@ def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
 
 async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.sensors.camera import MESSAGE_TYPE, publish_pictures
+    from rostether.platform.sensors.cascade import CascadeDetector
 
     parameters = NodeParameters(graph, "camera/")
     original = await _original_parameters(graph, parameters) if is_ros1 else {}
@@ -220,14 +220,8 @@ async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
     # Some versions of the platform's original camera node misspell the parameter.
     original_file = original.get("classifier") or original.get("clasifier") or ""
     file = await parameters.text(str(original_file), "classifier")
-    detector = await asyncio.to_thread(_detector, file) if file else None
+    detector = await asyncio.to_thread(lambda: CascadeDetector(Path(file).expanduser())) if file else None
     await publish_pictures(graph, description, source, reporter(graph), detector)
-
-
-def _detector(file: str) -> CascadeDetector:
-    from rostether.platform.sensors.cascade import CascadeDetector
-
-    return CascadeDetector(Path(file).expanduser())
 
 
 async def _original_parameters(graph: TypedGraph, parameters: NodeParameters) -> Mapping[str, ParamValue]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 import click
@@ -48,10 +49,10 @@ def completion(shell: str | None) -> None:
     write_line(text.replace('string split ","', 'string split --max 1 ","').strip())
 
 
-def is_plain(word: str) -> bool:
-    """Return whether a word means itself in every shell.
+def beginning(names: Iterable[str], typed: str) -> list[str]:
+    """Return the names that begin with the typed text, which may omit the first slash, sorted.
 
-    Shells insert a completed word unchanged. A peer may name its node `$(command)`, so only plain words are
-    offered.
+    Shells insert a completed word unchanged. A peer may name its node `$(command)`, so only words are offered
+    that mean themselves in every shell.
     """
-    return _PLAIN.fullmatch(word) is not None
+    return sorted(name for name in names if name.startswith((typed, f"/{typed}")) and _PLAIN.fullmatch(name))
