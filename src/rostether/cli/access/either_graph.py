@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros1_access import joined, read_environment, type_store
+from rostether.mechanisms.block_end import closed_at_end
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
@@ -27,7 +28,6 @@ async def joined_either(graph: GraphOptions, *, purpose: str) -> AsyncIterator[t
     from rostether.cli.access.ros2_access import ros2_access
     from rostether.cli.access.ros2_tool_node import HIDDEN_NAME, warn_without_router
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.mechanisms.block_end import closed_at_end
 
     refuse_ros1_only(master=graph.master)
     async with ros2_access(graph.ros2, reach=ZenohReach(router="never")) as access:

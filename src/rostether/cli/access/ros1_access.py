@@ -16,6 +16,7 @@ from rostether.names.graph_name import resolve_name
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node_queries import TOOL_NAME
+from rostether.transports.sockets import explain_reason
 
 if TYPE_CHECKING:
     from rostether.graph.ports import JoinGraph
@@ -114,8 +115,6 @@ def ros1_join(environment: RosEnvironment) -> JoinGraph:
 
 def no_master(environment: RosEnvironment, error: MasterUnreachableError) -> MasterUnreachableError:
     """Return the error for a master that does not answer, with advice."""
-    from rostether.transports.sockets import explain_reason
-
     reason, cause = f"no ROS master answers at {environment.master_uri}", error.__cause__
     if isinstance(cause, OSError) and not isinstance(cause, ConnectionRefusedError):
         reason += f" ({explain_reason(cause)})"

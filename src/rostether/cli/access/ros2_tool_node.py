@@ -15,12 +15,12 @@ from rostether.cli.shell.output import warn
 from rostether.errors import GraphError, UnknownTypeError
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import is_hidden
-from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.endpoint_info import EndpointKind, Ros2Graph
+from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.graph_view import GraphView
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
-    from rostether.ros2.endpoint_info import Ros2Graph
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.type_support import Ros2Types
     from rostether.ros2.zenoh.node import ZenohGraph
@@ -175,7 +175,6 @@ async def warn_without_router(*, is_error: bool = False) -> None:
 
     Raises GraphError with the advice if `is_error`.
     """
-    from rostether.ros2.environment import Ros2Environment
     from rostether.ros2.zenoh.configuration import ROUTER_ENDPOINT, configures_endpoints, is_router_there
 
     if not configures_endpoints(Ros2Environment.read()) and not await is_router_there():

@@ -6,15 +6,13 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rostether.cli.shell.input import input_lines
 from rostether.cli.shell.output import warn, write_json, write_line, write_result
 from rostether.errors import BoardError, ConfigError
 from rostether.mechanisms.block_end import task_beside
-
-if TYPE_CHECKING:
-    from rostether.simulation.simavr.board_events import BoardEvent
+from rostether.simulation.simavr import board_events
+from rostether.simulation.simavr.board_events import BoardEvent, is_text
 
 # A sketch's line arrives in pieces. At 300 baud, the next character follows within this time.
 LINE_GAP_S = 0.1
@@ -50,8 +48,6 @@ def show_start(
 
 def show_event(event: BoardEvent, *, as_json: bool) -> None:
     """Print an event of a board."""
-    from rostether.simulation.simavr import board_events
-
     write_result(
         {"event": event.name, "time_s": event.time_s, **event.values},
         board_events.show_event(event),
@@ -71,8 +67,6 @@ class EventPrinter:
 
     def show(self, event: BoardEvent) -> None:
         """Print an event; an incomplete line of text is printed when the sketch pauses."""
-        from rostether.simulation.simavr.board_events import is_text
-
         if self._failure is not None:
             raise self._failure
         if event.name == "serial" and not self._as_json:
@@ -108,8 +102,6 @@ class EventPrinter:
             self._failure = error
 
     def _print(self, count: int) -> None:
-        from rostether.simulation.simavr.board_events import BoardEvent
-
         if count:
             data, self._line = self._line[:count], self._line[count:]
             show_event(BoardEvent("serial", self._line_s, {"data": data.hex()}), as_json=False)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.board.console import handling_commands, show_event, show_start
 from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, ConfigError, SketchError
+from rostether.mechanisms.loop_thread import in_own_loop
 
 if TYPE_CHECKING:
     from rostether.simulation.opencr.board import OpenCrBoard
@@ -31,7 +32,6 @@ async def start_opencr(
     cannot be built, BoardError if it cannot be started.
     """
     from rostether.firmware.opencr_build import build_for_linux
-    from rostether.mechanisms.loop_thread import in_own_loop
     from rostether.simulation.opencr.board import OpenCrBoard
     from rostether.simulation.opencr.commands import execute
 

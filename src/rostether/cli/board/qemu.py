@@ -5,17 +5,13 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rostether.cli.board.console import handling_commands, show_start
 from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, ConfigError, FirmwareError, SketchError
 from rostether.mechanisms.loop_thread import in_own_loop
-from rostether.simulation.qemu import MACHINES
+from rostether.simulation.qemu import MACHINES, QemuBoard
 from rostether.transports.address import ProgramSize
-
-if TYPE_CHECKING:
-    from rostether.simulation.qemu import QemuBoard
 
 _PROGRAM_SUFFIXES = (".elf", ".hex")
 
@@ -27,8 +23,6 @@ async def start_in_qemu(
 
     Raises ConfigError for other files and for options of other boards, BoardError if it cannot be started.
     """
-    from rostether.simulation.qemu import QemuBoard
-
     if has_other_options:
         raise ConfigError(
             f"{machine} is simulated without pins and devices; it does not accept the commands and options "

@@ -14,9 +14,11 @@ from rostether.cli.board.opencr import OPENCR, run_opencr
 from rostether.cli.board.qemu import find_program, run_in_qemu
 from rostether.cli.shell.option_group import PATH, flag, option, option_group
 from rostether.cli.shell.output import json_option, warn
+from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.cli.shell.verbs import verb
 from rostether.errors import BoardError
 from rostether.simulation.qemu import MACHINES
+from rostether.simulation.simavr.kinds import kind_of
 
 # `board run` and `firmware sim` still accept them.
 OLD_OPTIONS = {"--for": "--duration"}
@@ -121,8 +123,6 @@ async def board_run(program: Path, start: BoardOptions, msg_paths: tuple[Path, .
     lines of standard input are commands with the names of the options (adc A0=2.5, range 0.5, pin D7=1,
     fault none) and more (reset, power off, memory SYMBOL); see the reference of commands and events.
     """
-    from rostether.cli.shell.slow_notice import reported_when_long
-    from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
     if start.link_path is not None and start.tcp_port is not None:

@@ -11,20 +11,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.bridge.identity import legal_base_name, numbered
+from rostether.bridge.reporter import Notices, Reporter
 from rostether.cli.access.ros1_access import type_store
 from rostether.cli.board.opencr import OPENCR, start_opencr
 from rostether.cli.board.qemu import find_program, measure_program, start_in_qemu
+from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, JoinGraph, Level
 from rostether.mechanisms.block_end import closed_at_end, task_beside
-from rostether.simulation.qemu import MACHINES
+from rostether.simulation.qemu import MACHINES, QemuBoard
+from rostether.simulation.simavr.board_events import BoardEvent, show_event
+from rostether.simulation.simavr.kinds import kind_of
 from rostether.transports.address import Address, ProgramSize, SerialAddress, SimAddress, SimulationPauses
 
 if TYPE_CHECKING:
-    from rostether.bridge.reporter import Reporter
     from rostether.simulation.opencr.board import OpenCrBoard
-    from rostether.simulation.qemu import QemuBoard
-    from rostether.simulation.simavr.board_events import BoardEvent
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
     from rostether.simulation.simavr.simulation_node import NodeBoard
 
@@ -98,8 +99,6 @@ async def _start_avr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
 ) -> tuple[SimulatedBoard, ProgramSize | None]:
     """Start a board that ends with the exit stack; return it, and the memory use of its program."""
-    from rostether.cli.shell.slow_notice import reported_when_long
-    from rostether.simulation.simavr.kinds import kind_of
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
     kind_of(link.board)
@@ -154,8 +153,6 @@ async def _start_opencr(
     link: SimAddress, reporter: Reporter, stack: AsyncExitStack, msg_paths: Sequence[Path]
 ) -> OpenCrBoard:
     """Start an OpenCR that ends with the exit stack."""
-    from rostether.simulation.simavr.board_events import show_event
-
     has_other_options = bool(link.uart is not None or link.seed)
     board = await stack.enter_async_context(
         await start_opencr(
@@ -179,9 +176,6 @@ async def _report_end(board: QemuBoard | OpenCrBoard, link: SimAddress, reporter
 
 
 async def _report_events(board: SimulatedBoard, link: SimAddress, reporter: Reporter) -> None:
-    from rostether.bridge.reporter import Notices
-    from rostether.simulation.simavr.board_events import show_event
-
     notices = Notices(reporter, "", asyncio.get_running_loop().time)
     hidden = _REQUESTED_BY_NODE - {word.partition(" ")[0] for word in link.commands}
 

@@ -18,13 +18,19 @@ from urllib.parse import quote
 from msgspec import Struct
 
 from rostether.cli.access.served_graphs import ServedGraphs
+from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.dashboard.view import View
 from rostether.cli.gateway.foxglove import gateway_on, with_ros1_types
 from rostether.cli.gateway.gateways import NodeNaming, Report, joined_as, report_reach
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, Encryption, read_encryption, read_listen_address
 from rostether.cli.shell.output import write_line
+from rostether.dashboard.map_tiles import MapTiles
+from rostether.dashboard.page_files import TRUST_PAGE_FILE, authority_files, load_page
 from rostether.errors import TransportOpenError
-from rostether.graph.ports import Level
+from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
+from rostether.gateways.websocket.site import TILES, Site
+from rostether.graph.ports import Graph, Level
+from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.loopback import LOOPBACK, is_loopback
 from rostether.mechanisms.text import show_endpoint
@@ -32,12 +38,8 @@ from rostether.ports.config_paths import recordings_folder
 from rostether.transports.own_names import outward_address
 
 if TYPE_CHECKING:
-    from rostether.cli.dashboard.settings import DashboardSettings
-    from rostether.dashboard.map_tiles import MapTiles
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.gateway import FoxgloveGateway
-    from rostether.gateways.websocket.site import Site
-    from rostether.graph.ports import Graph
 
 NODE = "dashboard"
 TELEOP_NODE = "web_teleop"
@@ -70,8 +72,6 @@ async def served_dashboard(
     Raises ConfigError, TransportOpenError if a given port is not free, GraphError if another node has the
     name.
     """
-    from rostether.gateways.foxglove.settings import DEFAULT_PORT
-
     host, port = read_listen_address(settings.address, 0)
     is_typed = settings.address != host and settings.address.strip("[]") != host
     async with AsyncExitStack() as stack:
@@ -99,13 +99,8 @@ async def _served_at(
     msg_paths: Sequence[Path],
     report: Report,
 ) -> AsyncIterator[Dashboard]:
-    from rostether.dashboard.map_tiles import MapTiles
-    from rostether.dashboard.page_files import TRUST_PAGE_FILE
     from rostether.dashboard.recordings import Recordings
     from rostether.gateways.foxglove.gateway import DashboardParts
-    from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
-    from rostether.gateways.websocket.site import TILES
-    from rostether.mechanisms.anonymous import anonymous_name
     from rostether.recording.files import Form, create_recording
 
     access = settings.access
@@ -201,8 +196,6 @@ def page_url(host: str, port: int, token: str = "", *, is_encrypted: bool = Fals
 def _load_site(
     encryption: Encryption, recordings: Recordings, tiles: MapTiles | None, views: Sequence[View]
 ) -> Site:
-    from rostether.dashboard.page_files import authority_files, load_page
-
     more = {name: content for view in views for name, content in view.files.items()}
     if encryption.authority is not None:
         more |= authority_files(encryption.authority, socket.gethostname())

@@ -20,12 +20,12 @@ from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import BoardError, RostetherError
 from rostether.graph.ports import JoinGraph, Level
 from rostether.mechanisms.block_end import closed_at_end, task_beside
+from rostether.simulation.ultrasound import Obstacle
 from rostether.transports.address import Address, SerialAddress
 from rostether.transports.address_parser import parse_address
 
 if TYPE_CHECKING:
     from rostether.simulation.simavr.simulation_node import SimulationNode
-    from rostether.simulation.ultrasound import Obstacle
 
 UNO = "uno"
 PYTHON = "python"

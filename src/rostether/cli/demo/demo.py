@@ -25,7 +25,7 @@ from rostether.cli.dashboard.optional import optional_dashboard
 from rostether.cli.dashboard.settings import DashboardSettings
 from rostether.cli.demo.boards import PYTHON, UNO, demo_board
 from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
-from rostether.cli.demo.view import DemoFacts, DemoView, RecentLines
+from rostether.cli.demo.view import DemoFacts, DemoScreen, DemoView, RecentLines
 from rostether.cli.shell.keys import split_keys, typed_keys
 from rostether.cli.shell.option_group import PATH, PORT, NumberRange, flag, option, option_group
 from rostether.cli.shell.output import shows_live, write_line
@@ -33,6 +33,7 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import GraphError
 from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph, Level, Publisher
+from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
@@ -204,8 +205,6 @@ class Controls:
 async def _show_live(facts: DemoFacts, view: DemoView, recent: RecentLines, controls: Controls) -> None:
     from rich.live import Live
 
-    from rostether.cli.demo.view import DemoScreen
-
     screen = DemoScreen(facts, view, recent.lines)
     with Live(screen, auto_refresh=False) as live:
         while not controls.quit.is_set():
@@ -232,7 +231,6 @@ async def _watched(
 
     Yields a function that advertises the LED's switch.
     """
-    from rostether.mechanisms.anonymous import anonymous_name
     from rostether.ros1.node.node import join_ros1
 
     store = TypeStore(Registry())

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from rostether.bridge.reporter import Reporter
 from rostether.cli.access.graph_options import Middleware
+from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.access.served_graphs import UsedMaster, master_answers, own_master, used_master
 from rostether.cli.demo.view import command_to_type
 from rostether.errors import GraphError, RostetherError, UnknownNameError
@@ -62,8 +63,6 @@ async def demo_ros2(stack: AsyncExitStack, reporter: Reporter, *, joins: bool) -
     if find_spec("zenoh") is None:
         reporter.report(Level.INFO, f"Not on ROS 2; to add it, run: {install_command('zenoh')}")
         return None
-    from rostether.cli.access.ros2_access import ros2_access
-
     async with AsyncExitStack() as joined:
         try:
             access = await joined.enter_async_context(ros2_access(Middleware.ZENOH))

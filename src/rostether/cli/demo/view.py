@@ -19,6 +19,7 @@ from rich.text import Text
 
 from rostether.graph.ports import Level
 from rostether.mechanisms.text import counted
+from rostether.pictures.sparkline import sparkline
 from rostether.ros1.environment import DEFAULT_MASTER_PORT, parse_rpc_uri
 
 if TYPE_CHECKING:
@@ -177,8 +178,6 @@ class DemoView:
 
     def curve(self, endpoint: EndpointView, width: int) -> str:
         """Return the last values of a topic as a curve of at most `width` characters."""
-        from rostether.pictures.sparkline import sparkline
-
         values = self._curves.get(endpoint.name) if endpoint.role == "publisher" else None
         if not values or width < 1:
             return ""

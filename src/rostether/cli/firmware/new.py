@@ -11,7 +11,10 @@ from rostether.cli.shell.completion import beginning
 from rostether.cli.shell.option_group import PATH, add_option
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb, verb_group
+from rostether.codegen.library_source import client_library
 from rostether.errors import ConfigError
+from rostether.firmware.new_sketch import KINDS, write_sketch
+from rostether.mechanisms.text import did_you_mean
 
 new = verb_group(
     "new",
@@ -23,8 +26,6 @@ new = verb_group(
 
 
 def _complete_kinds(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    from rostether.firmware.new_sketch import KINDS
-
     return beginning(KINDS, incomplete)
 
 
@@ -57,10 +58,6 @@ def new_sensor(
     NAME is the name of the sketch (default: the sensor's name). On a terminal, the command asks for a missing
     SENSOR.
     """
-    from rostether.codegen.library_source import client_library
-    from rostether.firmware.new_sketch import KINDS, write_sketch
-    from rostether.mechanisms.text import did_you_mean
-
     sole = "" if kind not in KINDS or len(KINDS[kind].pins) > 1 else next(iter(KINDS[kind].pins))
     chosen = dict(_read_pin(each, sole) for each in pins)
     if kind is None:

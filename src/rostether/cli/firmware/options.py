@@ -14,7 +14,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import PATH, argument, flag, option, option_group, shared
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
-from rostether.errors import SketchError
+from rostether.errors import FirmwareError, SketchError
 
 if TYPE_CHECKING:
     from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
@@ -25,7 +25,6 @@ AVR_GCC = "avr-gcc"
 
 def complete_boards(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the boards that begin with the typed text."""
-    from rostether.errors import FirmwareError
     from rostether.firmware.toolchain import find_avr_toolchain
 
     try:

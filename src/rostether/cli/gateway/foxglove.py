@@ -43,14 +43,20 @@ from rostether.cli.gateway.options import (
 from rostether.cli.role.node import RoleVerb, node_words, run_role
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
-from rostether.graph.ports import Level
+from rostether.gateways.foxglove.settings import (
+    CAPABILITIES,
+    DEFAULT_PORT,
+    FoxgloveLimits,
+    FoxgloveSettings,
+    NameFilter,
+)
+from rostether.gateways.websocket.settings import DEFAULT_HOST
+from rostether.graph.ports import Graph, Level
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
     from rostether.gateways.foxglove.gateway import DashboardParts, FoxgloveGateway
-    from rostether.gateways.foxglove.settings import FoxgloveSettings, NameFilter
-    from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
 
 FOXGLOVE_NODE = "foxglove_bridge"
@@ -121,8 +127,6 @@ async def foxglove_gateway(
 
     Raises ConfigError, TransportOpenError if the port is not free, GraphError if another node has the name.
     """
-    from rostether.gateways.foxglove.settings import DEFAULT_PORT
-
     gateway_graph = with_ros1_types(graphs, msg_paths)
     name = node.name_for(FOXGLOVE_NODE, settings.port, DEFAULT_PORT)
     graph = await joined_as(gateway_graph, node, name, report)
@@ -135,8 +139,6 @@ async def foxglove_gateway(
 
 def read_settings(address: str, options: GatewayOptions) -> FoxgloveSettings:
     """Return the typed options as settings. Raises ConfigError."""
-    from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
-
     host, port = read_listen_address(address, DEFAULT_PORT)
     encryption = read_encryption(options.tls, host)
     return FoxgloveSettings(
@@ -155,14 +157,6 @@ def settings_of_parameters(
     parameters: Mapping[str, Any], options: GatewayOptions = NO_OPTIONS
 ) -> FoxgloveSettings:
     """Return the settings from the node's parameters and options. Raises ConfigError naming the parameter."""
-    from rostether.gateways.foxglove.settings import (
-        CAPABILITIES,
-        DEFAULT_PORT,
-        FoxgloveLimits,
-        FoxgloveSettings,
-    )
-    from rostether.gateways.websocket.settings import DEFAULT_HOST
-
     certificate, key = certificate_files(parameters, "tls") if is_true(parameters, "tls") else ("", "")
     wanted = parameters.get("capabilities")
     if wanted is not None and not isinstance(wanted, list):
@@ -239,8 +233,6 @@ def gateway_on(
 
 
 def _filter(parameters: Mapping[str, Any], name: str) -> NameFilter:
-    from rostether.gateways.foxglove.settings import NameFilter
-
     given = parameters.get(name)
     if given is None:
         return NameFilter()

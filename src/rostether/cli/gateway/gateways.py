@@ -18,7 +18,7 @@ from rostether.cli.gateway.options import DEFAULT_ADDRESS
 from rostether.cli.role.node import node_environment
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, GraphError, UnknownNameError
-from rostether.graph.ports import JoinGraph, Level
+from rostether.graph.ports import Graph, JoinGraph, Level
 from rostether.mechanisms.backoff import wait_for_master
 from rostether.mechanisms.loopback import is_loopback
 from rostether.names.graph_name import canonical, join, validate_name
@@ -29,7 +29,6 @@ from rostether.ros1.node.node_queries import ping
 from rostether.ros1.node.service_probe import look_up, probe_type
 
 if TYPE_CHECKING:
-    from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
     from rostether.serde.store import TypeStore
 

@@ -16,6 +16,7 @@ from msgspec.structs import replace
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.served_graphs import ServedGraphs
 from rostether.cli.gateway.gateways import (
     GatewayGraph,
     NodeNaming,
@@ -45,16 +46,15 @@ from rostether.cli.role.node import RoleVerb, node_words, run_role
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, DefinitionError, GraphError
 from rostether.extras import install_command
-from rostether.graph.ports import Level
+from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeLimits, RosbridgeSettings
+from rostether.gateways.websocket.settings import DEFAULT_HOST
+from rostether.graph.ports import Graph, Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.remap import Arguments
 
 if TYPE_CHECKING:
-    from rostether.cli.access.served_graphs import ServedGraphs
     from rostether.gateways.rosbridge.server import RosbridgeServer
-    from rostether.gateways.rosbridge.settings import RosbridgeSettings
-    from rostether.graph.ports import Graph
 
 ROSBRIDGE_NODE = "rosbridge_websocket"
 
@@ -122,8 +122,6 @@ async def rosbridge_gateway(
     the port is not free, GraphError if another node has the name.
     """
     check_rosbridge()
-    from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeSettings
-
     naming = naming or NodeNaming()
     host, port = read_listen_address(options.rosbridge or DEFAULT_ADDRESS, DEFAULT_PORT)
     encryption = await asyncio.to_thread(read_encryption, options.tls, host)
@@ -237,9 +235,6 @@ async def node_parameters(graph: TypedGraph, words: Sequence[str]) -> dict[str, 
 
 def read_settings(parameters: Mapping[str, Any], options: GatewayOptions = NO_OPTIONS) -> RosbridgeSettings:
     """Return the settings from the node's parameters and options. Raises ConfigError naming the parameter."""
-    from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeLimits, RosbridgeSettings
-    from rostether.gateways.websocket.settings import DEFAULT_HOST
-
     if is_true(parameters, "authenticate") and not options.token:
         raise ConfigError(f"~authenticate needs a token; set {TOKEN_VARIABLE} in the environment of the node")
     is_secure = is_true(parameters, "ssl") or bool(parameters.get("certfile"))

@@ -19,11 +19,18 @@ from rostether.errors import RostetherError
 from rostether.mechanisms.text import counted
 from rostether.packages.create import NewPackage, create_package
 from rostether.packages.executables import programs
+from rostether.packages.locate import SOURCE_FOLDER, workspace_of
 from rostether.packages.python_scripts import explain_python2
+from rostether.packages.workspace import (
+    PackageContents,
+    broken_packages,
+    init_workspace,
+    read_workspace,
+    write_setup_files,
+)
 
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
-    from rostether.packages.workspace import PackageContents
 
 # Options of catkin_make that are ignored, each with its value in the same word.
 _CMAKE_OPTIONS = ("-D", "-G", "-j", "-l", "-W")
@@ -45,8 +52,6 @@ def init(folder: Path | None) -> None:
 
     Only a real catkin needs the mark; rostether finds packages without it.
     """
-    from rostether.packages.workspace import init_workspace
-
     write_line(f"Created file {init_workspace(folder or Path.cwd())}")
 
 
@@ -76,8 +81,6 @@ def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> Non
     the workspace to ROS_PACKAGE_PATH. It lists C++ programs, which need a real ROS.
     """
     from rostether.msgdef.registry import Registry
-    from rostether.packages.locate import SOURCE_FOLDER, workspace_of
-    from rostether.packages.workspace import broken_packages, read_workspace, write_setup_files
 
     here = directory or Path.cwd()
     workspace = (workspace_of(here) or here).absolute()

@@ -17,8 +17,10 @@ from rostether.cli.shell.verbs import verb, verb_group
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
 from rostether.msgdef.definition_files import bundled_names, bundled_packages
+from rostether.packages.executables import programs
 from rostether.packages.locate import package_folders
 from rostether.packages.search_path import OnDuplicate
+from rostether.packages.workspace import read_contents
 
 # The distribution whose protocols and definitions rostether implements.
 _DISTRIBUTION = "noetic"
@@ -35,8 +37,6 @@ def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incom
 
 def complete_programs(context: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the programs of the typed package that begin with the typed text."""
-    from rostether.packages.executables import programs
-
     package = context.params.get("package", "")
     found = {program for owner, program in builtin_nodes() if owner == package}
     if folder := package_folders(os.environ, Path.cwd()).get(package):
@@ -141,8 +141,6 @@ def find(name: str) -> None:
 @click.argument("name", metavar="PACKAGE")
 def depends1(name: str) -> None:
     """List the direct dependencies in a package's package.xml."""
-    from rostether.packages.workspace import read_contents
-
     for each in sorted(read_contents(folder_of(name)).description.dependencies):
         write_line(each)
 
@@ -152,8 +150,6 @@ def depends1(name: str) -> None:
 @click.argument("name", metavar="PACKAGE", required=False)
 def version(distro: bool, name: str | None) -> None:
     """Print the version in a package's package.xml."""
-    from rostether.packages.workspace import read_contents
-
     if distro or name is None:
         if not distro:
             raise click.UsageError("give a package, or -d for the distribution")

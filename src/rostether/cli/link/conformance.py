@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.bridge.reporter import SilentReporter
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.options import ADDRESS_HINTS, msg_path_option
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
@@ -19,13 +20,14 @@ from rostether.cli.shell.option_group import argument, flag, option, option_grou
 from rostether.cli.shell.output import json_option, write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
+from rostether.errors import TransportTimeoutError
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.transports.address import Address
+from rostether.transports.transport import Transport
 
 if TYPE_CHECKING:
     from rostether.conformance.case import Case, Outcome
     from rostether.conformance.checked_client import Connect
-    from rostether.transports.address import Address
-    from rostether.transports.transport import Transport
 
 # The longest wait of a case in a quick run.
 QUICK_WAIT_S = 10.0
@@ -114,7 +116,6 @@ async def _run_client(address: str) -> None:
 
 
 async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path], *, as_json: bool) -> int:
-    from rostether.bridge.reporter import SilentReporter
     from rostether.cli.board.simulated_links import simulated
     from rostether.conformance.case import Verdict
     from rostether.conformance.checked_client import CheckedClient
@@ -146,7 +147,6 @@ async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path],
 async def _connecting(link: Address) -> AsyncIterator[Connect]:
     """Yield a function that connects the client: opens its address, or waits for its connection."""
     from rostether.conformance.checked_client import FIRST_ANSWER_S
-    from rostether.errors import TransportTimeoutError
     from rostether.transports.opening import listen, open_transport
 
     if not link.listens:

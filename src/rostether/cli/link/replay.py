@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rostether.bridge.settings import BoardNodes
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import msg_path_option
@@ -22,13 +23,15 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.graph.ports import Level
 from rostether.mechanisms.text import counted
+from rostether.names.graph_name import validate_name
 from rostether.transports.address import Address, TcpAddress
+from rostether.transports.capture import Capture
 from rostether.transports.peers import PeerEntry
+from rostether.transports.replay import CaptureListener
+from rostether.transports.transport import Transport
 
 if TYPE_CHECKING:
     from rostether.bridge.supervisor import Supervisor
-    from rostether.transports.replay import CaptureListener
-    from rostether.transports.transport import Transport
 
 # The time for subscribers to connect to a new topic in a replay without pauses.
 SUBSCRIBE_S = 0.5
@@ -72,11 +75,7 @@ async def link_replay(
     `serve`, this starts a ROS master if none answers.
     """
     from rostether.bridge.identity import legal_base_name
-    from rostether.bridge.settings import BoardNodes
     from rostether.bridge.supervisor import Links, Supervisor
-    from rostether.names.graph_name import validate_name
-    from rostether.transports.capture import Capture
-    from rostether.transports.replay import CaptureListener
 
     capture = Capture(file)
     node_name = name if name is not None else legal_base_name(file.stem)

@@ -26,6 +26,8 @@ from rostether.cli.shell.verbs import verb, verb_group
 from rostether.graph.ports import Level
 from rostether.platform.command_frame import ALL_GROUPS, type_kind
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped, silence_text
+from rostether.platform.fleet_examination import examine
+from rostether.platform.fleet_findings import disk_finding, fleet_findings
 from rostether.platform.robot_table import Robot
 
 _CONTROL = "arduino_control/ArduinoControl"
@@ -181,9 +183,6 @@ async def examine_fleet(settings: FleetSettings, listen_s: float, *, as_json: bo
 
     Raises ConfigError.
     """
-    from rostether.platform.fleet_examination import examine
-    from rostether.platform.fleet_findings import disk_finding, fleet_findings
-
     found = await examine(settings, _report, listen_s)
     findings = fleet_findings(found, silence_text(settings))
     disk = shutil.disk_usage(".")

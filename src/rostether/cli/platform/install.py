@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -28,10 +27,13 @@ from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import write_failure
-from rostether.platform.boot.service_files import path_below
-
-if TYPE_CHECKING:
-    from rostether.platform.boot.service_files import Installation
+from rostether.platform.boot.service_files import (
+    GROUPS,
+    Installation,
+    default_robot_file,
+    files_of,
+    path_below,
+)
 
 _KINDS = ("base", "robot", "both")
 # The address of `rostether dashboard` without options.
@@ -90,8 +92,6 @@ def install(answers: Answers, gui: bool, dry_run: bool, for_user: bool | None, r
 
     Installing again keeps the robot.toml, unless you give its content again.
     """
-    from rostether.platform.boot.service_files import files_of
-
     installation = _installation(for_user)
     text = _robot_text(installation.robot_file, root, answers)
     files = {installation.robot_file: text, **files_of(installation, dashboard=_DASHBOARD if gui else "")}
@@ -187,8 +187,6 @@ def status(for_user: bool | None, root: Path | None) -> int:
 
 
 def _installation(for_user: bool | None) -> Installation:
-    from rostether.platform.boot.service_files import GROUPS, Installation, default_robot_file
-
     if not hasattr(os, "geteuid"):
         raise ConfigError("this system has no systemd; only Linux can start rostether at boot")
     is_system = os.geteuid() == 0 if for_user is None else not for_user

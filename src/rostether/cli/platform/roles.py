@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rostether.cli.platform.fleet_options import MAX_ROBOT, group_mask
 from rostether.cli.role.node import reporter, role
@@ -12,9 +11,20 @@ from rostether.errors import ConfigError
 from rostether.graph.node_parameters import NodeParameters
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
-
-if TYPE_CHECKING:
-    from rostether.platform.multicast_socket import GroupAddress
+from rostether.platform.arduino_control import DEFAULT_DEADZONE, StickSettings, publish_commands
+from rostether.platform.boot.robot_file import INTERFACE_VARIABLE
+from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS, NO_KEY, type_kind
+from rostether.platform.command_link import ReceiverSettings, SenderSettings
+from rostether.platform.digital_tester import publish_test_values
+from rostether.platform.fleet import FleetSettings
+from rostether.platform.fleet_key import read_fleet_key
+from rostether.platform.fleet_monitor import FleetMonitor
+from rostether.platform.multicast_bridge import BridgeNodeSettings, send_topic
+from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
+from rostether.platform.multicast_socket import GroupAddress
+from rostether.platform.sensing_manager import SensingManager
+from rostether.platform.sensor_files import read_sensors_toml
+from rostether.ports.config_paths import sensors_path
 
 
 @role(
@@ -31,10 +41,6 @@ async def sensing_manager(graph: TypedGraph, _: Arguments) -> None:
     Parameters: ~sensors_file (topics of boards that are sensors, one per line), ~state_file (where registered
     sensors are kept across restarts; default: ~/.local/state/rostether/sensors.json).
     """
-    from rostether.platform.sensing_manager import SensingManager
-    from rostether.platform.sensor_files import read_sensors_toml
-    from rostether.ports.config_paths import sensors_path
-
     parameters = NodeParameters(graph, "sensing_manager/")
     state_file = await parameters.text("", "state_file")
     sensors_file = await parameters.text("", "sensors_file")
@@ -60,8 +66,6 @@ async def digital_tester(graph: TypedGraph, _: Arguments) -> None:
 
     Its platform is ~platform_name, else the variable PLATFORM_NAME, else DigitalTesterStation.
     """
-    from rostether.platform.digital_tester import publish_test_values
-
     default = os.environ.get("PLATFORM_NAME") or "DigitalTesterStation"
     # The node of the reference platform reads the parameter node/platform_name.
     fallback = await NodeParameters(graph, "node/").text(default, "platform_name")
@@ -87,8 +91,6 @@ async def arduino_control(graph: TypedGraph, _: Arguments) -> None:
     Parameters: ~deadzone (0.1), ~formula (reference). With ~formula radial, the speed grows smoothly from the
     edge of the dead zone to at most 1 in every direction; with reference, it reaches 1.414 in the corners.
     """
-    from rostether.platform.arduino_control import DEFAULT_DEADZONE, StickSettings, publish_commands
-
     parameters = NodeParameters(graph, "arduino_control/")
     settings = StickSettings(
         await parameters.number(DEFAULT_DEADZONE, "deadzone"), await parameters.text("reference", "formula")
@@ -119,10 +121,6 @@ async def multicast_topic_bridge(graph: TypedGraph, _: Arguments) -> None:
     or ~groups (all), ~key_file, ~ttl_ms (300), ~input_timeout (0.5 s), ~unicast (addresses of robots that
     multicast does not reach).
     """
-    from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS
-    from rostether.platform.command_link import SenderSettings
-    from rostether.platform.multicast_bridge import BridgeNodeSettings, send_topic
-
     parameters = NodeParameters(graph, "multicast_topic_bridge/")
     framed = None
     if await parameters.flag(False, "framed"):
@@ -167,10 +165,6 @@ async def multicast_topic_receiver(graph: TypedGraph, _: Arguments) -> None:
     of `rostether fleet` (239.255.82.83, port 11412); only commands for this robot are published, and zeros
     when they end: ~robot (1), ~groups (0), ~key_file.
     """
-    from rostether.platform.command_frame import type_kind
-    from rostether.platform.command_link import ReceiverSettings
-    from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
-
     parameters = NodeParameters(graph, "multicast_topic_receiver/")
     type_name = await parameters.text("", "type")
     if not type_name:
@@ -205,11 +199,6 @@ async def fleet_monitor(graph: TypedGraph, _: Arguments) -> None:
     Parameters: ~multicast_group_addr (239.255.82.83), ~sending_port (11412), ~interface (names or addresses),
     ~ttl (1), ~groups (all), ~key_file, ~unicast (addresses of robots that multicast does not reach).
     """
-    from rostether.platform.command_frame import ALL_GROUPS
-    from rostether.platform.command_link import SenderSettings
-    from rostether.platform.fleet import FleetSettings
-    from rostether.platform.fleet_monitor import FleetMonitor
-
     parameters = NodeParameters(graph, "fleet_monitor/")
     settings = FleetSettings(
         SenderSettings(await _group_mask(parameters) or ALL_GROUPS, key=await _key(parameters)),
@@ -220,16 +209,10 @@ async def fleet_monitor(graph: TypedGraph, _: Arguments) -> None:
 
 
 def _default_address(framed: object | None) -> GroupAddress:
-    from rostether.platform.fleet import FleetSettings
-    from rostether.platform.multicast_socket import GroupAddress
-
     return GroupAddress() if framed is None else FleetSettings().address
 
 
 async def _address(parameters: NodeParameters, default: GroupAddress, *port_names: str) -> GroupAddress:
-    from rostether.platform.boot.robot_file import INTERFACE_VARIABLE
-    from rostether.platform.multicast_socket import GroupAddress
-
     return GroupAddress(
         await parameters.text(default.group, *_ADDRESS_NAMES),
         await parameters.integer(default.port, 1, 65535, *port_names),
@@ -243,8 +226,5 @@ async def _group_mask(parameters: NodeParameters) -> int:
 
 
 async def _key(parameters: NodeParameters) -> bytes:
-    from rostether.platform.command_frame import NO_KEY
-    from rostether.platform.fleet_key import read_fleet_key
-
     path = await parameters.text("", "key_file")
     return read_fleet_key(path) if path else NO_KEY

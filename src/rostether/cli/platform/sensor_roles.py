@@ -6,7 +6,6 @@ import asyncio
 from collections.abc import AsyncGenerator, Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
@@ -19,10 +18,13 @@ from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 from rostether.platform.sensor_parameters import SensorKind, default_platform, read_description, read_rate
+from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
+from rostether.platform.sensors.jpeg import PictureChange
+from rostether.platform.sensors.number_file import NumberFile
+from rostether.platform.sensors.picture_sources import DrawnTestPictures, PictureFolder, PictureSource
 from rostether.platform.sensors.registered_sensor import platform_word
-
-if TYPE_CHECKING:
-    from rostether.platform.sensors.picture_sources import PictureSource
+from rostether.platform.sensors.value import Scaling, TopicField, publish_values
+from rostether.transports.address import SerialAddress
 
 
 def sensor_node_name(word: str, arguments: Arguments) -> str:
@@ -83,7 +85,6 @@ async def gps(graph: TypedGraph, _: Arguments) -> None:
     ~platform_name.
     """
     from rostether.platform.sensors.gps import MESSAGE_TYPE, publish_positions
-    from rostether.transports.address import SerialAddress
     from rostether.transports.address_parser import parse_address
 
     parameters = NodeParameters(graph, "gps/")
@@ -127,7 +128,7 @@ async def system_load(graph: TypedGraph, _: Arguments) -> None:
 
 
 async def _publish_value(word: str, graph: TypedGraph) -> None:
-    from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
+    from rostether.platform.sensors.value import MESSAGE_TYPE
 
     parameters = NodeParameters(graph, f"{word}/")
     open_source, unit, silence = await _value_source(graph, parameters, word)
@@ -149,10 +150,6 @@ async def _value_source(
 
     The parameters select the source. Raises ConfigError.
     """
-    from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
-    from rostether.platform.sensors.number_file import NumberFile
-    from rostether.platform.sensors.value import TopicField
-
     path = await parameters.text("", "path")
     topic = await parameters.text("", "topic")
     line = await parameters.text("", "gpio")
@@ -236,8 +233,6 @@ async def _original_parameters(graph: TypedGraph, parameters: NodeParameters) ->
 
 
 async def _source(parameters: NodeParameters, vflip: bool, hflip: bool) -> PictureSource:
-    from rostether.platform.sensors.jpeg import PictureChange
-    from rostether.platform.sensors.picture_sources import DrawnTestPictures, PictureFolder
     from rostether.platform.sensors.raspberry_camera import RaspberryCamera, has_picamera2
     from rostether.platform.sensors.v4l2_camera import V4l2Camera
 

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 import click
 
@@ -18,11 +18,12 @@ from rostether.cli.shell.output import write_line
 from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
+from rostether.cli.verb_table import VERBS
 from rostether.errors import ConfigError
 from rostether.mechanisms.tasks import run_until
-
-if TYPE_CHECKING:
-    from rostether.platform.boot.robot_file import Part, RobotFile
+from rostether.mechanisms.toml_text import read_toml_text
+from rostether.platform.boot.interface import interface_address
+from rostether.platform.boot.robot_file import INTERFACE_VARIABLE, Part, RobotFile, parse_robot_file
 
 # If the part `core` does not answer within this time, the other parts start without it.
 MASTER_LIMIT_S = 30.0
@@ -47,7 +48,6 @@ def up(file: Path, check: bool) -> None:
     install` starts this command at boot.
     """
     from rostether.cli.platform.up import check_robot, read_robot
-    from rostether.platform.boot.robot_file import INTERFACE_VARIABLE
 
     robot = read_robot(file)
     if check:
@@ -120,8 +120,6 @@ class _Parts:
 
 async def _wait_for_address(interface: str, *, other_than: str = "") -> str:
     """Return the address of an interface, as soon as it has one: at boot, Wi-Fi connects later."""
-    from rostether.platform.boot.interface import interface_address
-
     is_reported = bool(other_than)
     while (address := interface_address(interface)) in (None, other_than):
         if not is_reported:
@@ -152,16 +150,11 @@ _NOT_PARTS = ("up", "install", "uninstall")
 
 def read_robot(path: Path) -> RobotFile:
     """Return the content of a robot.toml, without checking the arguments of its parts. Raises ConfigError."""
-    from rostether.mechanisms.toml_text import read_toml_text
-
     return parse_robot(read_toml_text(path), str(path))
 
 
 def parse_robot(text: str, file: str) -> RobotFile:
     """Return what the text of a robot.toml contains; `file` is the name in errors. Raises ConfigError."""
-    from rostether.cli.verb_table import VERBS
-    from rostether.platform.boot.robot_file import parse_robot_file
-
     return parse_robot_file(text, file, VERBS.keys() - set(_NOT_PARTS))
 
 

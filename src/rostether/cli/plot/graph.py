@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -14,11 +13,9 @@ from rostether.cli.shell.output import json_option, write_file, write_json, writ
 from rostether.cli.shell.picture_files import SUFFIXES, encode, picture_format
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
+from rostether.graph.ports import Snapshot
 from rostether.graph.shown_graph import ShownGraph, as_digraph, as_records, as_text, choose
 from rostether.mechanisms.text import counted
-
-if TYPE_CHECKING:
-    from rostether.graph.ports import Snapshot
 
 
 @verb(

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros1_only
+from rostether.cli.access.ros1_access import joined, master_client, read_environment
 from rostether.cli.plot.curves import MAX_CURVES, expand
 from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotOptions, PlotSession
 from rostether.cli.role.node import RoleVerb
@@ -26,11 +26,10 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.errors import ConfigError, DefinitionError
+from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import INTEGER_RANGES
-
-if TYPE_CHECKING:
-    from rostether.msgdef.registry import Registry
-    from rostether.serde.codec import Codec
+from rostether.names.graph_name import is_in_namespace
+from rostether.serde.codec import Codec
 
 # The length that fits above a picture.
 MAX_TITLE_CHARACTERS = 90
@@ -81,9 +80,7 @@ async def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOption
 async def _plot_ros1(
     graph_options: GraphOptions, targets: Sequence[Group], session: PlotSession, msg_paths: tuple[Path, ...]
 ) -> None:
-    from rostether.cli.access.ros1_access import joined, read_environment
     from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
-    from rostether.names.graph_name import is_in_namespace
     from rostether.serde.field_path import FieldPath
 
     environment = read_environment(graph_options)
@@ -170,9 +167,6 @@ def rqt_plot(arguments: tuple[str, ...], graph: GraphOptions) -> None:
 
 
 async def _published(graph: GraphOptions) -> list[str]:
-    from rostether.cli.access.ros1_access import master_client, read_environment
-    from rostether.msgdef.registry import Registry
-
     async with master_client(read_environment(graph)) as client:
         publishers, _, _ = await client.system_state()
         types = dict(await client.topic_types())

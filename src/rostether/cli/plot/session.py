@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from msgspec.structs import replace
 
@@ -22,11 +22,11 @@ from rostether.errors import ConfigError, GraphError, SerializationError, first_
 from rostether.mechanisms.tasks import cancel_all
 from rostether.mechanisms.text import counted
 from rostether.msgdef.registry import Registry
+from rostether.pictures.axis import Axis
+from rostether.pictures.plot import Curve, Labels, draw_plot
+from rostether.pictures.terminal_plot import as_colored, as_plain, plot_lines
+from rostether.serde.codec import Codec
 from rostether.serde.field_units import unit_of
-
-if TYPE_CHECKING:
-    from rostether.pictures.plot import Curve
-    from rostether.serde.codec import Codec
 
 # Ten pictures a second: movements look smooth, even over a slow SSH connection.
 REFRESH_S = 0.1
@@ -126,8 +126,6 @@ class PlotSession:
     def _finish(self) -> None:
         file = self._options.file
         if file is not None:
-            from rostether.pictures.plot import Labels, draw_plot
-
             since_s = self._last_s - self._options.window_s if self._options.window_s else 0.0
             curves = self._with_scales(self._curves.curves(since_s))
             labels = Labels(self._options.title or "", self._begin_unix_s, self._options.shows_time_of_day)
@@ -137,8 +135,6 @@ class PlotSession:
                 f"{counted(sum(len(each.points) for each in curves), 'value')}"
             )
         elif not self._is_live:
-            from rostether.pictures.terminal_plot import as_plain
-
             for line in as_plain(self._lines(*shutil.get_terminal_size((80, 24)))):
                 write_line(line)
 
@@ -166,9 +162,6 @@ class PlotSession:
         return max((curve.points[-1][0] for curve in self._curves.curves() if curve.points), default=0.0)
 
     def _lines(self, columns: int, rows: int) -> Any:
-        from rostether.pictures.axis import Axis
-        from rostether.pictures.terminal_plot import plot_lines
-
         whole_s = None if self._is_live else self._options.duration_s
         window_s = self._options.window_s or whole_s or DEFAULT_WINDOW_S
         end_s = max(self._last_s, window_s)
@@ -180,8 +173,6 @@ class PlotSession:
     async def _show_live(self, tasks: Sequence[asyncio.Task[None]]) -> None:
         from rich.console import Console
         from rich.live import Live
-
-        from rostether.pictures.terminal_plot import as_colored
 
         console = Console()
         with Live(console=console, auto_refresh=False, screen=False) as live:

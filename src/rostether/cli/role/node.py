@@ -17,9 +17,10 @@ from rostether.cli.access.graph_options import (
     ros_arguments,
 )
 from rostether.cli.access.ros1_access import read_environment, type_store
+from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
-from rostether.graph.ports import Level
+from rostether.graph.ports import Graph, Level
 from rostether.mechanisms.backoff import wait_for_master
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.tasks import run_until
@@ -28,7 +29,6 @@ from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import RosEnvironment
 
 if TYPE_CHECKING:
-    from rostether.graph.ports import Graph
     from rostether.graph.typed_graph import TypedGraph
 
 Main: TypeAlias = Callable[["TypedGraph", Arguments], Awaitable[None]]
@@ -90,8 +90,6 @@ async def _on_ros1(arguments: Arguments, name: str) -> AsyncIterator[Graph]:
 
 @asynccontextmanager
 async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[Graph]:
-    from rostether.cli.access.ros2_access import ros2_access
-
     async with ros2_access(middleware_of(ros2)) as access:
         namespace = arguments.special.get("__ns", "/")
         graph = await access.join(name, namespace=namespace, remappings=arguments.remappings)

@@ -6,7 +6,6 @@ import asyncio
 import shutil
 import sys
 from functools import partial
-from typing import TYPE_CHECKING
 
 from rostether.cli.role.node import reporter, role
 from rostether.cli.shell.keys import split_keys, typed_keys
@@ -17,10 +16,10 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.tasks import run_until
 from rostether.mechanisms.text import escape_line
 from rostether.names.remap import Arguments
+from rostether.nodes.joy import DEFAULT_DEVICE, JoySettings, device_named, publish_joystick
 from rostether.robot.joint_sliders import JointSliders, SliderKey
-
-if TYPE_CHECKING:
-    from rostether.robot.joint_states import JointStates
+from rostether.robot.joint_state_publisher import SLIDERS_TOPIC, publish_joint_states, read_joint_states
+from rostether.robot.joint_states import JointStates
 
 NO_TERMINAL = (
     "no terminal for the sliders: they are in the dashboard, at Controls; or run in a terminal: "
@@ -66,16 +65,12 @@ async def joint_state_publisher(graph: TypedGraph, _: Arguments) -> None:
     Parameters: rate (10), source_list, zeros, dependent_joints, delta, use_mimic_tags,
     use_smallest_joint_limits, publish_default_positions, publish_default_velocities, publish_default_efforts.
     """
-    from rostether.robot.joint_state_publisher import publish_joint_states, read_joint_states
-
     await publish_joint_states(graph, await read_joint_states(graph))
 
 
 @role("joint-state-publisher-gui", "rostether role joint-state-publisher-gui")
 async def joint_state_publisher_gui(graph: TypedGraph, _: Arguments) -> None:
     """Publish joint states set by sliders in the terminal: arrow keys move them, c centers, r randomizes."""
-    from rostether.robot.joint_state_publisher import SLIDERS_TOPIC, publish_joint_states, read_joint_states
-
     # Windows has consoles, but no termios to read single keys.
     has_terminal = sys.platform != "win32" and sys.stdin.isatty() and sys.stdout.isatty()
     if not has_terminal:
@@ -162,8 +157,6 @@ async def joy_node(graph: TypedGraph, _: Arguments) -> None:
     Parameters: ~dev (/dev/input/js0), ~dev_name, ~deadzone (0.05), ~autorepeat_rate (0), ~coalesce_interval
     (0.001), ~sticky_buttons, ~default_trig_val.
     """
-    from rostether.nodes.joy import DEFAULT_DEVICE, JoySettings, device_named, publish_joystick
-
     report = reporter(graph)
     device = str(await graph.get_param("~dev", DEFAULT_DEVICE))
     if name := str(await graph.get_param("~dev_name", "")):

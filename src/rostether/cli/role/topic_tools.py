@@ -13,6 +13,7 @@ from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.names.remap import Arguments
+from rostether.nodes.forwarding import ByteThrottle, MessageThrottle, forward
 
 # A mux answers immediately; a user does not wait longer.
 _CALL_LIMIT_S = 10.0
@@ -37,8 +38,6 @@ async def relay(graph: TypedGraph, arguments: Arguments) -> None:
 
     With _lazy:=true it subscribes to IN only while OUT has a subscriber.
     """
-    from rostether.nodes.forwarding import forward
-
     source, target = _relay_topics(arguments)
     await forward(graph.raw, source, target, lazy=await _flag(graph, "lazy"))
 
@@ -71,8 +70,6 @@ async def throttle(graph: TypedGraph, arguments: Arguments) -> None:
     With _lazy:=true it publishes only while OUT has a subscriber. With _wall_clock:=true it uses this
     machine's clock instead of ROS time.
     """
-    from rostether.nodes.forwarding import ByteThrottle, MessageThrottle, forward
-
     source, target, limits = _throttle_words(arguments)
     is_wall_time = await _flag(graph, "wall_clock")
     now_s: Callable[[], float] = time.time if is_wall_time else lambda: graph.now().to_s()

@@ -13,8 +13,11 @@ import click
 from rostether.cli.access.options import msg_path_option
 from rostether.cli.shell.option_group import PATH, NumberRange, option, option_group
 from rostether.cli.shell.output import warn, write_line
+from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import counted
+from rostether.transports.address import PtyAddress
+from rostether.transports.memory import memory_pair
 from rostether.transports.peers import MAX_PEERS
 
 if TYPE_CHECKING:
@@ -104,7 +107,6 @@ async def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_pat
     from rostether.simulation.xbee.air import AirConditions
     from rostether.simulation.xbee.network import XbeeNetwork
     from rostether.simulation.xbee.registers import MODELS
-    from rostether.transports.address import PtyAddress
     from rostether.transports.pty import open_pty
 
     conditions = AirConditions(options.loss, options.repeat, options.delay_ms / 1e3, options.rssi_dbm)
@@ -135,7 +137,6 @@ async def _add_counting(
     network: XbeeNetwork, coordinator: SimulatedRadio, options: SimulationOptions, stack: AsyncExitStack
 ) -> list[CountingBoard]:
     from rostether.simulation.xbee.counting_board import CountingBoard
-    from rostether.transports.memory import memory_pair
 
     boards = []
     for number in range(1, options.boards + 1):
@@ -155,7 +156,6 @@ async def _add_sketches(
     stack: AsyncExitStack,
 ) -> None:
     from rostether.cli.board.qemu import find_program
-    from rostether.cli.shell.slow_notice import reported_when_long
     from rostether.simulation.simavr.simulated_board import SimulatedBoard
     from rostether.transports.opening import open_transport
 
