@@ -166,7 +166,7 @@ link = verb_group(
     the board.
     """,
     {
-        "record": ("record:link_record", "Serve a board and record its line."),
+        "record": ("replay:link_record", "Serve a board and record its line."),
         "show": ("show:link_show", "List the frames of a capture."),
         "replay": (
             "replay:link_replay",

@@ -9,6 +9,7 @@ from pathlib import Path
 from rostether.cli.board.console import handling_commands, show_start
 from rostether.cli.shell.output import warn
 from rostether.errors import BoardError, ConfigError, FirmwareError, SketchError
+from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 from rostether.mechanisms.loop_thread import in_own_loop
 from rostether.simulation.qemu import MACHINES, QemuBoard
 from rostether.transports.address import ProgramSize
@@ -66,7 +67,6 @@ async def find_program(path: Path, board: str, msg_paths: Sequence[Path] = ()) -
         _refuse_missing(path)
         return path
     from rostether.firmware.build import build_sketch, find_board
-    from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
 
     async def build() -> BuiltFirmware:
         _refuse_missing(path)

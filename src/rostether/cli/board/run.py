@@ -19,6 +19,7 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import BoardError
 from rostether.simulation.qemu import MACHINES
 from rostether.simulation.simavr.kinds import kind_of
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
 
 # `board run` and `firmware sim` still accept them.
 OLD_OPTIONS = {"--for": "--duration"}
@@ -123,8 +124,6 @@ async def board_run(program: Path, start: BoardOptions, msg_paths: tuple[Path, .
     lines of standard input are commands with the names of the options (adc A0=2.5, range 0.5, pin D7=1,
     fault none) and more (reset, power off, memory SYMBOL); see the reference of commands and events.
     """
-    from rostether.simulation.simavr.simulated_board import SimulatedBoard
-
     if start.link_path is not None and start.tcp_port is not None:
         raise click.UsageError("give --link or --tcp, not both")
     if start.board in MACHINES:

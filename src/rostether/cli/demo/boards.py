@@ -15,6 +15,8 @@ from msgspec import Struct
 
 from rostether.bridge.reporter import Reporter
 from rostether.bridge.supervisor import Supervisor
+from rostether.cli.access.ros1_access import type_store
+from rostether.cli.board.qemu import find_program, measure_program
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import BoardError, RostetherError
@@ -81,8 +83,6 @@ async def demo_board(
 
 @asynccontextmanager
 async def _simulated_uno(name: str, obstacle: Obstacle, reporter: Reporter) -> AsyncIterator[DemoBoard]:
-    from rostether.cli.access.ros1_access import type_store
-    from rostether.cli.board.qemu import find_program, measure_program
     from rostether.firmware.toolchain import find_avr_toolchain
     from rostether.graph.typed_graph import TypedGraph
     from rostether.simulation.simavr.compile import missing_parts

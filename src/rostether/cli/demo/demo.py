@@ -37,6 +37,7 @@ from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
+from rostether.ros1.node.node import join_ros1
 from rostether.serde.store import TypeStore
 from rostether.simulation.ultrasound import Obstacle
 from rostether.transports.address import WebAddress
@@ -231,8 +232,6 @@ async def _watched(
 
     Yields a function that advertises the LED's switch.
     """
-    from rostether.ros1.node.node import join_ros1
-
     store = TypeStore(Registry())
     async with closed_at_end(await join_ros1(anonymous_name("demo_view"), environment=environment)) as graph:
         for topic, type_name in topics.items():

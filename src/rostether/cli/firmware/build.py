@@ -19,6 +19,9 @@ from rostether.cli.shell.own_command import own_command, replace_process
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import FirmwareError
+from rostether.firmware.build import find_board, save_outputs
+from rostether.firmware.sketch import open_sketch
+from rostether.firmware.upload import prepare_upload, upload
 
 if TYPE_CHECKING:
     from rostether.firmware.built_firmware import BuiltFirmware
@@ -55,7 +58,6 @@ async def firmware_build(options: SketchOptions, folder: Path | None, as_json: b
     the Arduino sketchbook, the core (Wire, SPI, EEPROM, SoftwareSerial) and a built-in Servo. Unchanged files
     are not compiled again. Needs Debian's gcc-avr, avr-libc and arduino-core-avr, or arduino-cli.
     """
-    from rostether.firmware.build import save_outputs
     from rostether.firmware.elf import ElfFile
 
     built = await build(options)
@@ -136,11 +138,8 @@ async def firmware_upload(options: SketchOptions, port: str | None) -> None:
 
 async def upload_sketch(options: SketchOptions, port: str | None) -> str:
     """Build and flash a sketch; return the port of the board. Raises FirmwareError, ConfigError."""
-    from rostether.firmware.build import find_board
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import measure_built
-    from rostether.firmware.sketch import open_sketch
-    from rostether.firmware.upload import prepare_upload, upload
 
     open_sketch(options.sketch)
     how = options.build_options()
@@ -202,8 +201,6 @@ def flash(options: SketchOptions, port: str | None) -> None:
 
 def _address_of(sketch: Path, port: str) -> str:
     """Return the link address of a port, with the baud rate that the sketch sets."""
-    from rostether.firmware.sketch import open_sketch
-
     found = open_sketch(sketch)
     for file in (*found.inos, *found.sources):
         if match := _BAUD.search(file.read_text(encoding="utf-8", errors="replace")):

@@ -14,6 +14,7 @@ from rostether.cli.shell.option_group import PATH, add_flag, add_option
 from rostether.cli.shell.output import json_option, warn, write_result
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import counted
+from rostether.msgdef.registry import Registry
 
 
 @verb(
@@ -58,8 +59,6 @@ def firmware_lib(
     Arduino and PlatformIO; other builds need only -I DIR/ros_lib/src. Invalid definitions are reported and
     skipped, and the exit code is then 1.
     """
-    from rostether.msgdef.registry import Registry
-
     registry = Registry.from_environment(msg_paths)
     sketch = sketch.expanduser() if sketch is not None else None
     if micropython:

@@ -6,7 +6,6 @@ import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -15,9 +14,9 @@ from rostether.cli.shell.option_group import PATH, argument, flag, option, optio
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.errors import FirmwareError, SketchError
-
-if TYPE_CHECKING:
-    from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
+from rostether.firmware.build import build_sketch, find_board
+from rostether.firmware.built_firmware import BuildOptions, BuiltFirmware
+from rostether.firmware.toolchain import find_avr_toolchain
 
 ARDUINO_CLI = "arduino-cli"
 AVR_GCC = "avr-gcc"
@@ -25,8 +24,6 @@ AVR_GCC = "avr-gcc"
 
 def complete_boards(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the boards that begin with the typed text."""
-    from rostether.firmware.toolchain import find_avr_toolchain
-
     try:
         names = find_avr_toolchain().boards.names
     except FirmwareError:
@@ -67,8 +64,6 @@ class SketchOptions:
 
     def build_options(self) -> BuildOptions:
         """Return how to build the sketch."""
-        from rostether.firmware.built_firmware import BuildOptions
-
         return BuildOptions(
             libraries=self.libraries,
             msg_paths=tuple(each.expanduser() for each in self.msg_paths),
@@ -84,8 +79,6 @@ sketch_options = option_group("options", SketchOptions)
 
 async def build(options: SketchOptions) -> BuiltFirmware:
     """Build a sketch; the compiler's output goes to stderr unchanged."""
-    from rostether.firmware.build import build_sketch, find_board
-
     try:
         board = find_board(options.board)
         waiting = f"building {options.sketch} for {board.title}; this takes a few seconds"

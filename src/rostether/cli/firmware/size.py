@@ -18,6 +18,8 @@ from rostether.cli.firmware.options import SketchOptions, build, sketch_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import verb
+from rostether.firmware.build import find_board
+from rostether.msgdef.registry import Registry
 
 if TYPE_CHECKING:
     from rostether.firmware.elf import ElfFile
@@ -72,7 +74,6 @@ async def firmware_size(options: SketchOptions, as_json: bool) -> int:
 
 
 async def _measure(options: SketchOptions) -> tuple[str, Footprint, list[Endpoint], int]:
-    from rostether.firmware.build import find_board
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import measure, measure_built
 
@@ -90,7 +91,6 @@ async def _endpoints(
 ) -> tuple[list[Endpoint], int]:
     from rostether.firmware.demangle import demangle
     from rostether.firmware.sketch_endpoints import find_endpoints, input_buffer_bytes
-    from rostether.msgdef.registry import Registry
 
     readable = await demangle(each.name for each in elf.symbols)
     buffer_bytes = input_buffer_bytes(readable)

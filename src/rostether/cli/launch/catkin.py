@@ -5,7 +5,6 @@ from __future__ import annotations
 import getpass
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 from msgspec.structs import replace
@@ -17,6 +16,7 @@ from rostether.cli.shell.output import json_option, warn, write_json, write_line
 from rostether.cli.shell.verbs import Verb, verb
 from rostether.errors import RostetherError
 from rostether.mechanisms.text import counted
+from rostether.msgdef.registry import Registry
 from rostether.packages.create import NewPackage, create_package
 from rostether.packages.executables import programs
 from rostether.packages.locate import SOURCE_FOLDER, workspace_of
@@ -28,9 +28,6 @@ from rostether.packages.workspace import (
     read_workspace,
     write_setup_files,
 )
-
-if TYPE_CHECKING:
-    from rostether.msgdef.registry import Registry
 
 # Options of catkin_make that are ignored, each with its value in the same word.
 _CMAKE_OPTIONS = ("-D", "-G", "-j", "-l", "-W")
@@ -80,8 +77,6 @@ def make(directory: Path | None, ignored: tuple[str, ...], as_json: bool) -> Non
     Messages, services and Python nodes work without a build. The command writes devel/setup.bash, which adds
     the workspace to ROS_PACKAGE_PATH. It lists C++ programs, which need a real ROS.
     """
-    from rostether.msgdef.registry import Registry
-
     here = directory or Path.cwd()
     workspace = (workspace_of(here) or here).absolute()
     packages = read_workspace(workspace)
@@ -173,7 +168,6 @@ def _generated_packages(directory: Path) -> list[str]:
     """Return the packages in an existing library whose definitions are known."""
     from rostether.codegen.arduino_library import LIBRARY_NAME
     from rostether.codegen.library_source import SOURCE_FOLDER
-    from rostether.msgdef.registry import Registry
 
     library = directory.expanduser() / LIBRARY_NAME
     registry = Registry.from_environment(())

@@ -18,12 +18,17 @@ from rostether.cli.gateway.options import (
     dashboard_option,
     viewer_access_options,
 )
+from rostether.cli.shell.completion import beginning
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED, print_error
 from rostether.cli.shell.option_group import FILE, PORT, POSITIVE, flag, ignored_options, option, option_group
 from rostether.cli.shell.output import warn, write_file, write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import Level
+from rostether.launch import listing
+from rostether.launch.plan import Output
+from rostether.launch.sources import launch_files
+from rostether.packages.locate import package_folders
 
 if TYPE_CHECKING:
     from rostether.cli.dashboard.settings import DashboardSettings
@@ -98,10 +103,6 @@ class LaunchOptions:
 
 def complete_launch(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return packages with launch files; after a package, its launch files."""
-    from rostether.cli.shell.completion import beginning
-    from rostether.launch.sources import launch_files
-    from rostether.packages.locate import package_folders
-
     packages = package_folders(os.environ, Path.cwd())
     words = ctx.params.get("words") or ()
     if words and words[0] in packages:
@@ -148,17 +149,16 @@ def launch(
     from rostether.cli.dashboard.settings import DashboardSettings
     from rostether.cli.launch.loaded_launch import load
     from rostether.cli.shell.running import run
-    from rostether.launch.listing import summary_lines
 
     options.check()
     environment = read_environment(graph)
     loaded = load(words, runs_commands=options.runs_commands)
-    if (listing := _listing(options, loaded, environment)) is not None:
-        _print(listing)
+    if (lines := _listing(options, loaded, environment)) is not None:
+        _print(lines)
         return EXIT_DONE
     loaded.warn()
     if not options.no_summary:
-        _print(summary_lines(loaded.plan))
+        _print(listing.summary_lines(loaded.plan))
     views = tuple(loaded.views)
     address = DEFAULT_ADDRESS if dashboard is None and views else dashboard
     settings = DashboardSettings(address, gateways, views=views) if address is not None else None
@@ -181,7 +181,6 @@ async def _run(
     from rostether.cli.dashboard.optional import optional_dashboard
     from rostether.cli.dashboard.view import has_browser, open_browser
     from rostether.launch.node_process import StopLimits
-    from rostether.launch.plan import Output
     from rostether.launch.runner import RunOptions, run_plan
 
     if options.wait and not await master_answers(environment):
@@ -214,7 +213,6 @@ async def _run(
 
 
 def _listing(options: LaunchOptions, loaded: LoadedLaunch, environment: RosEnvironment) -> list[str] | None:
-    from rostether.launch import listing
     from rostether.param_yaml import dump
 
     plan = loaded.plan

@@ -8,26 +8,30 @@ from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from rostether.bridge.reporter import SilentReporter
 from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.options import ADDRESS_HINTS, msg_path_option
+from rostether.cli.board.simulated_links import simulated
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import argument, flag, option, option_group, shared
 from rostether.cli.shell.output import json_option, write_json, write_line, write_result
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
+from rostether.conformance.case import Case, Outcome, Verdict
+from rostether.conformance.checked_client import FIRST_ANSWER_S, CheckedClient, Connect
+from rostether.conformance.program import ConformanceProgram
+from rostether.conformance.run_cases import CASES, run_cases
+from rostether.conformance.vectors import read_vectors
+from rostether.device.device import Device
 from rostether.errors import TransportTimeoutError
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.transports.address import Address
+from rostether.transports.address_parser import parse_address
+from rostether.transports.opening import listen, open_transport
 from rostether.transports.transport import Transport
-
-if TYPE_CHECKING:
-    from rostether.conformance.case import Case, Outcome
-    from rostether.conformance.checked_client import Connect
 
 # The longest wait of a case in a quick run.
 QUICK_WAIT_S = 10.0
@@ -69,8 +73,6 @@ def conformance(options: ConformanceOptions) -> int:
     exit code is 0 if no case failed.
     """
     if options.prints_vectors:
-        from rostether.conformance.vectors import read_vectors
-
         for vector in read_vectors():
             write_json(vector)
         return EXIT_DONE
@@ -92,8 +94,6 @@ def conformance(options: ConformanceOptions) -> int:
 
 
 def _chosen(names: Sequence[str], *, quick: bool) -> list[Case]:
-    from rostether.conformance.run_cases import CASES
-
     unknown = set(names) - {each.name for each in CASES}
     if unknown:
         raise click.UsageError(f"there is no case {sorted(unknown)[0]}; --list shows the cases")
@@ -105,9 +105,6 @@ def _chosen(names: Sequence[str], *, quick: bool) -> list[Case]:
 
 
 async def _run_client(address: str) -> None:
-    from rostether.conformance.program import ConformanceProgram
-    from rostether.device.device import Device
-
     device = Device(address)
     ConformanceProgram(device)
     async with device:
@@ -116,12 +113,6 @@ async def _run_client(address: str) -> None:
 
 
 async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path], *, as_json: bool) -> int:
-    from rostether.cli.board.simulated_links import simulated
-    from rostether.conformance.case import Verdict
-    from rostether.conformance.checked_client import CheckedClient
-    from rostether.conformance.run_cases import run_cases
-    from rostether.transports.address_parser import parse_address
-
     counts: Counter[Verdict] = Counter()
     async with (
         simulated([parse_address(address)], SilentReporter(), msg_paths) as (link,),
@@ -146,9 +137,6 @@ async def _check(address: str, cases: Sequence[Case], msg_paths: Sequence[Path],
 @asynccontextmanager
 async def _connecting(link: Address) -> AsyncIterator[Connect]:
     """Yield a function that connects the client: opens its address, or waits for its connection."""
-    from rostether.conformance.checked_client import FIRST_ANSWER_S
-    from rostether.transports.opening import listen, open_transport
-
     if not link.listens:
         yield lambda: open_transport(link)
         return

@@ -1,4 +1,4 @@
-"""`rostether link replay`: replays a capture into the graph as if its board were connected."""
+"""`rostether link record` and `replay`: a capture of a board's line, and its replay into the graph."""
 
 from __future__ import annotations
 
@@ -6,18 +6,22 @@ import asyncio
 import contextlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from rostether.bridge.identity import legal_base_name
 from rostether.bridge.settings import BoardNodes
+from rostether.bridge.supervisor import Links, Supervisor
+from rostether.cli.access.completions import complete_ports
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import msg_path_option
+from rostether.cli.access.options import ADDRESS_HINTS, listen_option, msg_path_option
 from rostether.cli.access.ros1_access import read_environment, ros1_join, type_store
 from rostether.cli.access.served_graphs import used_master
+from rostether.cli.bag.bridge_recording import record_limit_option
+from rostether.cli.bridge.serve import serve
 from rostether.cli.bridge.serving import serving
-from rostether.cli.shell.option_group import PATH, NumberRange, add_flag, add_option
+from rostether.cli.shell.option_group import FILE, PATH, NumberRange, add_flag, add_option
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
@@ -29,9 +33,6 @@ from rostether.transports.capture import Capture
 from rostether.transports.peers import PeerEntry
 from rostether.transports.replay import CaptureListener
 from rostether.transports.transport import Transport
-
-if TYPE_CHECKING:
-    from rostether.bridge.supervisor import Supervisor
 
 # The time for subscribers to connect to a new topic in a replay without pauses.
 SUBSCRIBE_S = 0.5
@@ -74,9 +75,6 @@ async def link_replay(
     The board's topics appear on the graph as if it were connected. Messages to the board are discarded. Like
     `serve`, this starts a ROS master if none answers.
     """
-    from rostether.bridge.identity import legal_base_name
-    from rostether.bridge.supervisor import Links, Supervisor
-
     capture = Capture(file)
     node_name = name if name is not None else legal_base_name(file.stem)
     validate_name(node_name)
@@ -151,3 +149,45 @@ class _Settling:
             async with asyncio.timeout(LISTED_S):
                 await self._supervisor.wait_for_subscribers()
         return loop.time() - began_s
+
+
+@verb(
+    "record",
+    """
+    rostether link record /dev/ttyACM0 problem.jsonl
+    rostether link record "/dev/ttyUSB0?baud=115200" problem.jsonl
+    rostether link record tcp://:11411 problem.jsonl --record-limit 10
+    """,
+    hints=ADDRESS_HINTS,
+)
+@click.argument("address", shell_complete=complete_ports)
+@click.argument("file", type=FILE)
+@record_limit_option
+@listen_option
+@graph_options(served=True, ros=False)
+@msg_path_option
+@click.pass_context
+def link_record(
+    ctx: click.Context,
+    address: str,
+    file: Path,
+    record_limit_mb: float,
+    listen: str | None,
+    msg_paths: tuple[Path, ...],
+    graph: GraphOptions,
+) -> None:
+    """Serve the board at ADDRESS, as `rostether serve` does, and record its line to FILE until Ctrl-C.
+
+    The bridge itself records, so it opens the port only once. FILE must not exist. If the command is
+    killed, only the last 0.2 s are missing. FILE contains every message between board and host.
+    """
+    ctx.invoke(
+        serve,
+        addresses=(address,),
+        master=graph.master,
+        record_line=file,
+        record_limit_mb=record_limit_mb,
+        listen=listen,
+        allow=graph.allow,
+        msg_paths=msg_paths,
+    )

@@ -5,19 +5,17 @@ from __future__ import annotations
 import contextlib
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from rostether.bridge.reporter import shown_line
 from rostether.cli.shell.option_group import PATH, add_flag
 from rostether.cli.shell.output import json_option, write_line, write_result
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import counted
-
-if TYPE_CHECKING:
-    from rostether.rosserial.line_log import LineEntry
-    from rostether.transports.capture import Capture
+from rostether.rosserial.line_log import LineEntry, LineLog, version_of
+from rostether.transports.capture import Capture, Chunk, LinkClosed, LinkOpened
 
 # Enough to recognize text and the beginning of a frame.
 _SHOWN_BYTES = 16
@@ -41,10 +39,6 @@ def link_show(file: Path, faults: bool, as_json: bool) -> None:
 
     Bytes that are not part of a valid frame are marked with `!`. The last line shows the totals.
     """
-    from rostether.bridge.reporter import shown_line
-    from rostether.rosserial.line_log import LineLog
-    from rostether.transports.capture import Capture, Chunk, LinkClosed, LinkOpened
-
     capture = Capture(file)
     version = capture.version or _version(capture)
     logs: dict[int, LineLog] = {}
@@ -84,9 +78,6 @@ def link_show(file: Path, faults: bool, as_json: bool) -> None:
 
 
 def _version(capture: Capture) -> int:
-    from rostether.rosserial.line_log import version_of
-    from rostether.transports.capture import Chunk
-
     seen = bytearray()
     # A bad line is reported when the listing reaches it.
     with contextlib.suppress(ConfigError):

@@ -24,6 +24,7 @@ from rostether.cli.shell.option_group import (
 from rostether.cli.shell.output import json_option, warn, write_finding, write_json, write_line, write_table
 from rostether.cli.shell.verbs import verb, verb_group
 from rostether.graph.ports import Level
+from rostether.msgdef.registry import Registry
 from rostether.platform.command_frame import ALL_GROUPS, type_kind
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped, silence_text
 from rostether.platform.fleet_examination import examine
@@ -113,8 +114,6 @@ async def drive(options: DriveOptions, fleet: FleetSettings) -> int:
     One sender commands a robot at a time. A robot stops automatically 0.3 s after the last command. The exit
     code is 1 if no robot answers.
     """
-    from rostether.msgdef.registry import Registry
-
     targets = (options.robot is not None, fleet.sender.target != ALL_GROUPS, options.to_all)
     if sum(targets) != 1:
         raise click.UsageError("give one of ROBOT, --groups or --all")

@@ -13,6 +13,7 @@ from pathlib import Path
 import click
 
 from rostether.cli.platform.systemd import UNIT, clean, is_lingering, linger, systemctl
+from rostether.cli.platform.up import check_robot, parse_robot, read_robot
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import (
     EXISTING_FILE,
@@ -27,6 +28,9 @@ from rostether.cli.shell.own_command import own_command
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import write_failure
+from rostether.mechanisms.toml_text import read_toml_text
+from rostether.platform.boot.interface import interface_addresses
+from rostether.platform.boot.robot_file import Machine, MachineKind
 from rostether.platform.boot.service_files import (
     GROUPS,
     Installation,
@@ -164,8 +168,6 @@ def uninstall(for_user: bool | None, root: Path | None) -> None:
 @_target_options
 def status(for_user: bool | None, root: Path | None) -> int:
     """Show what starts at boot, and whether it runs. The exit code is 1 if nothing is installed."""
-    from rostether.cli.platform.up import check_robot, read_robot
-
     installation = _installation(for_user)
     file = path_below(root, installation.robot_file)
     if not path_below(root, installation.unit).exists():
@@ -212,10 +214,6 @@ def _has_group(name: str) -> bool:
 
 
 def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
-    from rostether.cli.platform.up import check_robot, parse_robot
-    from rostether.mechanisms.toml_text import read_toml_text
-    from rostether.platform.boot.robot_file import Machine, MachineKind
-
     if (given := answers.given) is not None:
         text = read_toml_text(given)
         check_robot(parse_robot(text, str(given)), str(given))
@@ -244,8 +242,6 @@ def _robot_text(file: Path, root: Path | None, answers: Answers) -> str:
 
 
 def _ask_interface() -> str:
-    from rostether.platform.boot.interface import interface_addresses
-
     found = interface_addresses()
     listed = ", ".join(f"{name} ({address})" for name, address in found.items()) or "none has an address now"
     answer = _ask(f"Network interface of the fleet: {listed}; any: chosen by the system", "any")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -12,10 +12,8 @@ from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.shell.output import json_option, write_json, write_line, write_table
 from rostether.cli.shell.verbs import verb, verb_group
 from rostether.errors import GraphError
-
-if TYPE_CHECKING:
-    from rostether.graph.typed_graph import TypedGraph
-    from rostether.serde.values import Message
+from rostether.graph.typed_graph import TypedGraph
+from rostether.serde.values import Message
 
 # The list is latched: the manager sends it immediately. A busy Raspberry Pi needs seconds to connect.
 _LIMIT_S = 10.0

@@ -6,13 +6,10 @@ import getpass
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rostether.cli.shell.output import write_line
 from rostether.errors import ConfigError
-
-if TYPE_CHECKING:
-    from rostether.platform.boot.service_files import Installation
+from rostether.platform.boot.service_files import STATE, Installation
 
 UNIT = "rostether.service"
 # Where logind keeps the users whose services start at boot.
@@ -65,8 +62,6 @@ def is_lingering() -> bool:
 
 def clean(installation: Installation) -> None:
     """Remove the service's cache, and its state unless parts have written files there, such as recordings."""
-    from rostether.platform.boot.service_files import STATE
-
     is_written = any(each.is_file() for each in STATE.resolve().rglob("*"))
     folders = ["--what=cache"] if is_written else ["--what=cache", "--what=state"]
     systemctl(installation, "clean", *folders, UNIT)

@@ -12,6 +12,7 @@ from typing import NoReturn
 
 import click
 
+from rostether.cli.access.served_graphs import wait_for_answer
 from rostether.cli.shell.failures import usage_text
 from rostether.cli.shell.option_group import EXISTING_FILE, add_flag
 from rostether.cli.shell.output import write_line
@@ -24,6 +25,7 @@ from rostether.mechanisms.tasks import run_until
 from rostether.mechanisms.toml_text import read_toml_text
 from rostether.platform.boot.interface import interface_address
 from rostether.platform.boot.robot_file import INTERFACE_VARIABLE, Part, RobotFile, parse_robot_file
+from rostether.ros1.environment import RosEnvironment
 
 # If the part `core` does not answer within this time, the other parts start without it.
 MASTER_LIMIT_S = 30.0
@@ -47,8 +49,6 @@ def up(file: Path, check: bool) -> None:
     wrong arguments does not start again; the others run, and the exit code is 1 at the end. `rostether
     install` starts this command at boot.
     """
-    from rostether.cli.platform.up import check_robot, read_robot
-
     robot = read_robot(file)
     if check:
         check_robot(robot, str(file))
@@ -136,9 +136,6 @@ def _is_core(part: Part) -> bool:
 
 async def _wait_for_master(environ: Mapping[str, str]) -> None:
     """Wait until the robot's master answers: earlier, other parts would start another master."""
-    from rostether.cli.access.served_graphs import wait_for_answer
-    from rostether.ros1.environment import RosEnvironment
-
     with suppress(TimeoutError):
         async with asyncio.timeout(MASTER_LIMIT_S):
             await wait_for_answer(RosEnvironment.read(environ))
@@ -160,8 +157,6 @@ def parse_robot(text: str, file: str) -> RobotFile:
 
 def check_robot(robot: RobotFile, file: str) -> None:
     """Raise ConfigError for an address, or for arguments of a part, that cannot be used."""
-    from rostether.ros1.environment import RosEnvironment
-
     try:
         RosEnvironment.read(robot.environment)
     except ConfigError as error:

@@ -8,6 +8,7 @@ import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
 from rostether.cli.access.options import refuse_ros1_only
+from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.shell.option_group import FILE, add_flag, add_option
 from rostether.cli.shell.output import json_option, write_file, write_json, write_line
 from rostether.cli.shell.picture_files import SUFFIXES, encode, picture_format
@@ -16,6 +17,7 @@ from rostether.cli.shell.verbs import verb
 from rostether.graph.ports import Snapshot
 from rostether.graph.shown_graph import ShownGraph, as_digraph, as_records, as_text, choose
 from rostether.mechanisms.text import counted
+from rostether.ros1.node.graph_view import take_snapshot
 
 
 @verb(
@@ -89,9 +91,6 @@ def _content(shown: ShownGraph, kind: str, *, nodes_only: bool) -> str | bytes:
 
 
 async def _ask_ros1(graph: GraphOptions) -> Snapshot:
-    from rostether.cli.access.ros1_access import master_client, read_environment
-    from rostether.ros1.node.graph_view import take_snapshot
-
     async with master_client(read_environment(graph)) as client:
         return await take_snapshot(client)
 

@@ -6,7 +6,6 @@ import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -16,11 +15,11 @@ from rostether.cli.shell.output import json_option, warn, write_file, write_json
 from rostether.cli.shell.verbs import verb, verb_group
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import escape_line, write_failure
+from rostether.packages.locate import package_folders
 from rostether.pictures.tree import MAX_INDENTED, branch
-
-if TYPE_CHECKING:
-    from rostether.robot.robot_model import Joint, RobotModel
-
+from rostether.robot.robot_model import Joint, RobotModel
+from rostether.robot.urdf import parse_urdf
+from rostether.robot.xacro import expand_xacro, is_xacro, parse_mappings, xacro_dependencies
 
 _file = click.argument("file", type=EXISTING_FILE)
 _mappings = click.argument("mappings", nargs=-1, metavar="[ARGUMENT:=VALUE...]")
@@ -79,10 +78,6 @@ def tree(file: Path, mappings: tuple[str, ...], as_json: bool) -> None:
 
 
 def _load(file: Path, mappings: tuple[str, ...]) -> RobotModel:
-    from rostether.packages.locate import package_folders
-    from rostether.robot.urdf import parse_urdf
-    from rostether.robot.xacro import expand_xacro, is_xacro, parse_mappings
-
     data = read_bytes(file)
     if is_xacro(data):
         packages = package_folders(os.environ, Path.cwd())
@@ -162,9 +157,6 @@ def _record(joint: Joint) -> dict[str, object]:
 @ignored_options(flags=["--inorder -i", "-q"])
 def xacro(file: Path, mappings: tuple[str, ...], output: Path | None, deps: bool) -> None:
     """Expand FILE and print the URDF."""
-    from rostether.packages.locate import package_folders
-    from rostether.robot.xacro import expand_xacro, parse_mappings, xacro_dependencies
-
     packages = package_folders(os.environ, Path.cwd())
     arguments = parse_mappings(mappings)
     if deps:

@@ -20,6 +20,8 @@ from rostether.nodes.joy import DEFAULT_DEVICE, JoySettings, device_named, publi
 from rostether.robot.joint_sliders import JointSliders, SliderKey
 from rostether.robot.joint_state_publisher import SLIDERS_TOPIC, publish_joint_states, read_joint_states
 from rostether.robot.joint_states import JointStates
+from rostether.robot.robot_state_publisher import publish_robot_state
+from rostether.robot.tf_web_republisher import republish_for_web
 
 NO_TERMINAL = (
     "no terminal for the sliders: they are in the dashboard, at Controls; or run in a terminal: "
@@ -128,8 +130,6 @@ async def robot_state_publisher(graph: TypedGraph, _: Arguments) -> None:
 
     Parameters: ~publish_frequency (50), ~use_tf_static (true), ~ignore_timestamp (false), tf_prefix.
     """
-    from rostether.robot.robot_state_publisher import publish_robot_state
-
     await publish_robot_state(graph, partial(reporter(graph), Level.WARN))
 
 
@@ -139,8 +139,6 @@ async def tf2_web_republisher(graph: TypedGraph, _: Arguments) -> None:
 
     It serves the service republish_tfs and the action tf2_web_republisher, which ROSLIB.TFClient uses.
     """
-    from rostether.robot.tf_web_republisher import republish_for_web
-
     await republish_for_web(graph, partial(reporter(graph), Level.WARN))
 
 

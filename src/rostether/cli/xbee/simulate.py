@@ -6,24 +6,27 @@ import asyncio
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from rostether.cli.access.options import msg_path_option
+from rostether.cli.board.qemu import find_program
 from rostether.cli.shell.option_group import PATH, NumberRange, option, option_group
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.slow_notice import reported_when_long
 from rostether.cli.shell.verbs import verb
 from rostether.mechanisms.text import counted
+from rostether.simulation.simavr.simulated_board import SimulatedBoard
+from rostether.simulation.xbee.air import AirConditions
+from rostether.simulation.xbee.counting_board import CountingBoard
+from rostether.simulation.xbee.network import XbeeNetwork
+from rostether.simulation.xbee.radio import SimulatedRadio
+from rostether.simulation.xbee.registers import MODELS
 from rostether.transports.address import PtyAddress
 from rostether.transports.memory import memory_pair
+from rostether.transports.opening import open_transport
 from rostether.transports.peers import MAX_PEERS
-
-if TYPE_CHECKING:
-    from rostether.simulation.xbee.counting_board import CountingBoard
-    from rostether.simulation.xbee.network import XbeeNetwork
-    from rostether.simulation.xbee.radio import SimulatedRadio
+from rostether.transports.pty import open_pty
 
 _PROBABILITY = NumberRange(0.0, 1.0)
 _KINDS = ("series1", "series3", "digimesh")
@@ -104,11 +107,6 @@ async def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_pat
         raise click.UsageError("give --link, the serial port for `rostether serve`, or --fresh")
     if sketch is not None and options.link_path is None:
         raise click.UsageError("SKETCH is for the boards of a network; give --link, its serial port")
-    from rostether.simulation.xbee.air import AirConditions
-    from rostether.simulation.xbee.network import XbeeNetwork
-    from rostether.simulation.xbee.registers import MODELS
-    from rostether.transports.pty import open_pty
-
     conditions = AirConditions(options.loss, options.repeat, options.delay_ms / 1e3, options.rssi_dbm)
     network = XbeeNetwork(conditions, model=MODELS[options.kind], seed=options.seed)
     boards: list[CountingBoard] = []
@@ -136,8 +134,6 @@ async def xbee_simulate(sketch: Path | None, options: SimulationOptions, msg_pat
 async def _add_counting(
     network: XbeeNetwork, coordinator: SimulatedRadio, options: SimulationOptions, stack: AsyncExitStack
 ) -> list[CountingBoard]:
-    from rostether.simulation.xbee.counting_board import CountingBoard
-
     boards = []
     for number in range(1, options.boards + 1):
         port, radio_port = memory_pair()
@@ -155,10 +151,6 @@ async def _add_sketches(
     msg_paths: tuple[Path, ...],
     stack: AsyncExitStack,
 ) -> None:
-    from rostether.cli.board.qemu import find_program
-    from rostether.simulation.simavr.simulated_board import SimulatedBoard
-    from rostether.transports.opening import open_transport
-
     with reported_when_long(warn, f"preparing {options.boards} simulated boards for {sketch}"):
         program = await find_program(sketch, "uno", msg_paths)
         for number in range(1, options.boards + 1):
