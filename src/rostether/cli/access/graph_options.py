@@ -64,9 +64,7 @@ def is_middleware(word: str) -> bool:
 def chosen_middleware(*, ros1: bool = False, ros2: str | None = None) -> Middleware | None:
     """Return the middleware of the ROS 2 graph that a command selects, None for ROS 1 alone.
 
-    Args:
-        ros1: Whether `--ros1` was given.
-        ros2: The value of `--ros2`, None if it was not given.
+    `ros1` is true if `--ros1` was given; `ros2` is the value of `--ros2`, None if it was not given.
     """
     if not ros2:
         version = os.environ.get("ROS_VERSION")
@@ -105,14 +103,8 @@ class ZenohReach:
 class GraphOptions:
     """The graph that a command line selects.
 
-    Args:
-        ros1: Whether `--ros1` was given.
-        ros2: The middleware of the ROS 2 graph, None for ROS 1 alone.
-        master: `--master`, None if it was not given.
-        allow: Networks in CIDR form that may connect to this node.
-        arguments: ROS arguments such as `__name:=x`, by name.
-        zenoh: The zenoh options.
-        params_files: YAML files of ROS 2 parameters.
+    `ros2` is None for ROS 1 alone. `allow` are networks in CIDR form that may connect to this node, and
+    `arguments` are ROS arguments such as `__name:=x`, by name.
     """
 
     ros1: bool = False

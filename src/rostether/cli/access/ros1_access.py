@@ -83,14 +83,10 @@ async def joined(
 ) -> AsyncIterator[TypedGraph]:
     """Run a node with a unique name, or with that of `__name:=`, until the end of the block.
 
-    Raises MasterUnreachableError with advice, ConfigError, InvalidNameError, GraphError.
+    The node's name begins with `purpose`. `msg_paths` have no effect if there is a `store`; `environment` is
+    that of `graph`, None to read it.
 
-    Args:
-        graph: The graph to join.
-        msg_paths: Folders with definitions, unless there is a `store`.
-        purpose: The beginning of the node's name.
-        store: The types to use, None for the installed ones.
-        environment: The environment of `graph`, None to read it.
+    Raises MasterUnreachableError with advice, ConfigError, InvalidNameError, GraphError.
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros1.node.node import join_ros1

@@ -56,11 +56,7 @@ async def served_graphs(
 ) -> AsyncIterator[ServedGraphs]:
     """Join the graphs until the end of the block. Raises GraphError, ConfigError.
 
-    Args:
-        environment: The ROS 1 environment.
-        graph: The graphs to join.
-        master_port: The port of a new ROS 1 master, None for that of the environment's URI.
-        msg_paths: Folders with definitions.
+    `master_port` is the port of a new ROS 1 master, None for that of the environment's URI.
     """
     graph.refuse_unused()
     joins: list[JoinGraph] = []

@@ -104,14 +104,14 @@ def foxglove(
 )
 @client_options
 @node_words
-def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
+async def foxglove_bridge(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
     """Serve Foxglove, like foxglove_bridge.
 
     Parameters: ~port (8765), ~address (loopback; 0.0.0.0 for other machines), ~topic_whitelist,
     ~service_whitelist, ~param_whitelist, ~client_topic_whitelist, ~capabilities, ~send_buffer_limit, ~tls,
     ~certfile, ~keyfile. Other parameters of foxglove_bridge have no effect.
     """
-    run_role(FOXGLOVE_NODE, arguments, partial(_main, gateways=gateways))
+    await run_role(FOXGLOVE_NODE, arguments, partial(_main, gateways=gateways))
 
 
 @asynccontextmanager

@@ -201,7 +201,7 @@ def check_rosbridge() -> None:
 )
 @client_options
 @node_words
-def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
+async def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) -> None:
     """Serve web pages, like rosbridge_websocket.
 
     Parameters: ~port (9090), ~address (loopback; 0.0.0.0 for other machines), ~websocket_path,
@@ -209,7 +209,7 @@ def rosbridge_websocket(arguments: tuple[str, ...], gateways: GatewayOptions) ->
     ~topics_glob, ~services_glob, ~params_glob. Other parameters of rosbridge_websocket have no effect.
     """
     check_rosbridge()
-    run_role(ROSBRIDGE_NODE, arguments, partial(_main, gateways=gateways))
+    await run_role(ROSBRIDGE_NODE, arguments, partial(_main, gateways=gateways))
 
 
 async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOptions) -> None:
@@ -267,13 +267,13 @@ def _globs(parameters: Mapping[str, Any], name: str) -> tuple[str, ...] | None:
 
 @verb("rosapi-node", "rostether role rosapi-node", cls=RoleVerb)
 @node_words
-def rosapi_node(arguments: tuple[str, ...]) -> None:
+async def rosapi_node(arguments: tuple[str, ...]) -> None:
     """Offer services that query the graph and access parameters, like rosapi_node.
 
     Parameters: ~topics_glob, ~services_glob, ~params_glob. `rostether rosbridge` has the same services.
     """
     check_rosbridge()
-    run_role("rosapi", arguments, _run_rosapi)
+    await run_role("rosapi", arguments, _run_rosapi)
 
 
 async def _run_rosapi(graph: TypedGraph, arguments: Arguments) -> None:

@@ -194,7 +194,7 @@ _MAX_SIDE = 8192
 )
 @node_words
 @ROS2_CHOICE
-def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
+async def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
     """Publish a camera as a sensor (sensor_msgs/CompressedImage), only while a program shows it.
 
     Parameters: ~source (/dev/video0, or picamera2 where it is installed; a folder of .jpg files; test),
@@ -203,7 +203,7 @@ def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
     <topic>/detections).
     """
     name = sensor_node_name("camera", node_arguments(arguments))
-    run_role(name, arguments, partial(_camera, ros2 is None), ros2)
+    await run_role(name, arguments, partial(_camera, ros2 is None), ros2)
 
 
 async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:

@@ -31,7 +31,6 @@ _arguments = click.argument("words", nargs=-1, type=click.UNPROCESSED, metavar=_
     rostether tf static --ros2 --z 0.1 --yaw 1.57 --frame-id base_link --child-frame-id laser
     """,
     cls=RoleVerb,
-    is_service=True,
 )
 @_arguments
 @ROS2_CHOICE
@@ -54,7 +53,6 @@ async def static(words: tuple[str, ...], ros2: str | None) -> None:
     rostether role tf-static-transform-publisher 0 0 0.1 0 0 0 base_link laser 100
     """,
     cls=RoleVerb,
-    is_service=True,
 )
 @_arguments
 async def static_transform_publisher(words: tuple[str, ...]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import click
 from msgspec.structs import replace
@@ -43,6 +43,9 @@ class RoleVerb(Verb):
     """A command with a node's arguments: there, `-0.1` is a number, not an option."""
 
     ignore_unknown_options = True
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, is_service=True, **kwargs)
 
 
 def node_arguments(words: Sequence[str]) -> Arguments:
@@ -97,21 +100,15 @@ async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[
             yield graph
 
 
-def run_role(default_name: str, words: Sequence[str], main: Main, ros2: str | None = None) -> None:
+async def run_role(default_name: str, words: Sequence[str], main: Main, ros2: str | None = None) -> None:
     """Run a node until `main` returns, or the node or the process is shut down.
 
     `main` gets the graph and the node's arguments; `ros2` is the value of `--ros2`, None for ROS 1.
     """
-    from rostether.cli.shell.running import run
-
     arguments = node_arguments(words)
     _warn_of_mistakes(arguments)
-
-    async def until_ended() -> None:
-        async with role_node(arguments, default_name, ros2) as graph:
-            await run_until(main(graph, arguments), graph.raw.wait_closed())
-
-    run(until_ended(), is_service=True)
+    async with role_node(arguments, default_name, ros2) as graph:
+        await run_until(main(graph, arguments), graph.raw.wait_closed())
 
 
 def _warn_of_mistakes(arguments: Arguments) -> None:
@@ -140,19 +137,14 @@ def role(
 ) -> Callable[[Main], click.Command]:
     """Return a decorator that makes a node's coroutine a verb; its docstring is the help.
 
-    Args:
-        verb: The name of the verb.
-        examples: Command lines for the help.
-        metavar: The arguments in the help.
-        has_ros2: Whether to add --ros2.
-        node_name: Returns the node's usual name from the verb with underscores and the node's arguments; it
-            may raise ConfigError for wrong arguments.
+    With `has_ros2` it has --ros2. `node_name` returns the node's usual name from the verb with underscores
+    and the node's arguments; it may raise ConfigError for wrong arguments.
     """
 
     def decorate(main: Main) -> click.Command:
-        def command(arguments: tuple[str, ...], ros2: str | None = None) -> None:
+        async def command(arguments: tuple[str, ...], ros2: str | None = None) -> None:
             name = node_name(verb.replace("-", "_"), node_arguments(arguments))
-            run_role(name, arguments, main, ros2)
+            await run_role(name, arguments, main, ros2)
 
         command.__doc__ = main.__doc__
         words = click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar=metavar)
