@@ -57,11 +57,11 @@ async def ros2_access(
         types = Ros2Types(Registry.from_environment(paths), Ros2Definitions.from_environment(paths))
     environment = Ros2Environment.read()
     if middleware is Middleware.RCLPY:
-        async with _over_rclpy(environment, types, tuple(params_files)) as access:
-            yield access
+        opening = _over_rclpy(environment, types, tuple(params_files))
     else:
-        async with _over_zenoh(environment, types, reach or ZenohReach(), tuple(params_files)) as access:
-            yield access
+        opening = _over_zenoh(environment, types, reach or ZenohReach(), tuple(params_files))
+    async with opening as access:
+        yield access
 
 
 @asynccontextmanager

@@ -12,8 +12,8 @@ from msgspec import Struct
 from rostether.cli.access.graph_options import ros_arguments
 from rostether.cli.dashboard.view import View, read_view
 from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, window_view
-from rostether.cli.launch.node_command import node_command
 from rostether.cli.launch.pkg import packages_here
+from rostether.cli.launch.run import node_command
 from rostether.cli.shell.input import STDIN, read_bytes
 from rostether.cli.shell.output import warn
 from rostether.cli.shell.own_command import own_command

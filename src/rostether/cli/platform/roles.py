@@ -26,6 +26,9 @@ from rostether.platform.sensing_manager import SensingManager
 from rostether.platform.sensor_files import read_sensors_toml
 from rostether.ports.config_paths import sensors_path
 
+# The nodes of the reference platform spell this parameter in three ways.
+_ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_group_addr")
+
 
 @role(
     "sensing-manager",
@@ -96,10 +99,6 @@ async def arduino_control(graph: TypedGraph, _: Arguments) -> None:
         await parameters.number(DEFAULT_DEADZONE, "deadzone"), await parameters.text("reference", "formula")
     )
     await publish_commands(graph, settings, reporter(graph))
-
-
-# The nodes of the reference platform spell this parameter in three ways.
-_ADDRESS_NAMES = ("multicast_group_addr", "mulicast_group_addr", "multicating_group_addr")
 
 
 @role(

@@ -26,6 +26,9 @@ from rostether.platform.sensors.registered_sensor import platform_word
 from rostether.platform.sensors.value import Scaling, TopicField, publish_values
 from rostether.transports.address import SerialAddress
 
+# In pixels. The pictures of robots' cameras are smaller.
+_MAX_SIDE = 8192
+
 
 def sensor_node_name(word: str, arguments: Arguments) -> str:
     """Return the name of a sensor's node; it begins with the robot's name: robots may share a graph."""
@@ -175,10 +178,6 @@ async def _value_source(
         await parameters.flag(False, "active_low"),
     )
     return gpio.levels, "", ""
-
-
-# In pixels. The pictures of robots' cameras are smaller.
-_MAX_SIDE = 8192
 
 
 @verb(

@@ -27,6 +27,8 @@ from rostether.platform.boot.interface import interface_address
 from rostether.platform.boot.robot_file import INTERFACE_VARIABLE, Part, RobotFile, parse_robot_file
 from rostether.ros1.environment import RosEnvironment
 
+# Commands that would start `up` again, or change what starts at boot.
+_NOT_PARTS = ("up", "install", "uninstall")
 # If the part `core` does not answer within this time, the other parts start without it.
 MASTER_LIMIT_S = 30.0
 # Parts start or restart soon after the interface gets an address.
@@ -139,10 +141,6 @@ async def _wait_for_master(environ: Mapping[str, str]) -> None:
     with suppress(TimeoutError):
         async with asyncio.timeout(MASTER_LIMIT_S):
             await wait_for_answer(RosEnvironment.read(environ))
-
-
-# Commands that would start `up` again, or change what starts at boot.
-_NOT_PARTS = ("up", "install", "uninstall")
 
 
 def read_robot(path: Path) -> RobotFile:

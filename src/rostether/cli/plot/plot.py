@@ -31,6 +31,11 @@ from rostether.msgdef.spec import INTEGER_RANGES
 from rostether.names.graph_name import is_in_namespace
 from rostether.serde.codec import Codec
 
+# About as many as there are colors; a user who wants more names the fields.
+MAX_FIELDS = 8
+_NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
+# Topics of the system, whose numbers are rarely of interest.
+_NOT_PLOTTED = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
 # The length that fits above a picture.
 MAX_TITLE_CHARACTERS = 90
 
@@ -136,13 +141,6 @@ async def _plot_ros2(
                     session.add_message(name, message, chosen.path)
 
         await session.run(follow, targets)
-
-
-# About as many as there are colors; a user who wants more names the fields.
-MAX_FIELDS = 8
-_NUMBERS = frozenset(INTEGER_RANGES) | {"float32", "float64", "bool"}
-# Topics of the system, whose numbers are rarely of interest.
-_NOT_PLOTTED = ("/rosout", "/rosout_agg", "/clock", "/diagnostics", "/tf", "/tf_static")
 
 
 @verb(

@@ -11,7 +11,7 @@ import pytest
 
 from programs import ROSTETHER, read_until, running
 from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, view_command
-from rostether.cli.launch.node_command import PYTHON_VARIABLE, node_command, python_for
+from rostether.cli.launch.run import PYTHON_VARIABLE, node_command, python_for
 from rostether.cli.launch.shims import SHIM_MARK
 from rostether.errors import ConfigError
 from unit.cli.command_shell import Shell
