@@ -12,7 +12,6 @@ from typing import NoReturn
 
 import click
 
-from rostether.cli.access.served_graphs import wait_for_answer
 from rostether.cli.shell.failures import usage_text
 from rostether.cli.shell.option_group import EXISTING_FILE, add_flag
 from rostether.cli.shell.output import write_line
@@ -138,6 +137,8 @@ def _is_core(part: Part) -> bool:
 
 async def _wait_for_master(environ: Mapping[str, str]) -> None:
     """Wait until the robot's master answers: earlier, other parts would start another master."""
+    from rostether.cli.access.served_graphs import wait_for_answer
+
     with suppress(TimeoutError):
         async with asyncio.timeout(MASTER_LIMIT_S):
             await wait_for_answer(RosEnvironment.read(environ))
