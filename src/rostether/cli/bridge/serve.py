@@ -47,9 +47,8 @@ from rostether.cli.bridge.serving import (
     serving,
     shortage_lines,
 )
-from rostether.cli.dashboard.optional import optional_dashboard
+from rostether.cli.dashboard.optional import optional_dashboard, optional_gateways
 from rostether.cli.dashboard.settings import DashboardSettings
-from rostether.cli.gateway.optional import optional_gateways
 from rostether.cli.gateway.options import GatewayOptions, dashboard_option, gateway_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.library_logs import show_debug_records
