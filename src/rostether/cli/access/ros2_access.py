@@ -12,6 +12,7 @@ from msgspec import Struct
 from rostether.cli.access.graph_options import Middleware, ZenohReach
 from rostether.graph.ports import Graph, JoinGraph
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.names.graph_name import join as join_names
 from rostether.ros2.environment import Ros2Environment
 
 if TYPE_CHECKING:
@@ -98,8 +99,6 @@ async def _over_zenoh(
     async def join(
         node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None
     ) -> Graph:
-        from rostether.names.graph_name import join as join_names
-
         initial = rules.for_node(join_names(namespace, node_name))
         return await session.join(node_name, namespace=namespace, remappings=remappings, parameters=initial)
 

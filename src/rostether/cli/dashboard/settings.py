@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from msgspec import Struct, field
 
+from rostether.cli.dashboard.view import View
 from rostether.cli.gateway.gateways import NodeNaming
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, GatewayOptions
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from rostether.cli.dashboard.view import View
-    from rostether.transports.web_boards import WebBoards
+from rostether.transports.web_boards import WebBoards
 
 
 class DashboardSettings(Struct, frozen=True):

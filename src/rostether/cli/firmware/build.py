@@ -20,11 +20,11 @@ from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import FirmwareError
 from rostether.firmware.build import find_board, save_outputs
+from rostether.firmware.built_firmware import BuiltFirmware
 from rostether.firmware.sketch import open_sketch
 from rostether.firmware.upload import prepare_upload, upload
 
 if TYPE_CHECKING:
-    from rostether.firmware.built_firmware import BuiltFirmware
     from rostether.firmware.elf import ElfFile
 
 # The build's own options cover these.

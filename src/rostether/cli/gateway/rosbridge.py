@@ -46,6 +46,7 @@ from rostether.cli.role.node import RoleVerb, node_words, run_role
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, DefinitionError, GraphError
 from rostether.extras import install_command
+from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.settings import DEFAULT_PORT, RosbridgeLimits, RosbridgeSettings
 from rostether.gateways.websocket.settings import DEFAULT_HOST
 from rostether.graph.ports import Graph, Level
@@ -148,7 +149,6 @@ async def rosbridge_server(
     graph: Graph, gateway_graph: GatewayGraph, settings: RosbridgeSettings, report: Report, remote_option: str
 ) -> AsyncIterator[RosbridgeServer]:
     """Run a rosbridge server on a node, and report its address; see `rosbridge_gateway`."""
-    from rostether.gateways.rosbridge.form_source import Style
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi, offering_rosapi
     from rostether.gateways.rosbridge.server import RosbridgeServer
 

@@ -18,13 +18,18 @@ from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 from rostether.platform.sensor_parameters import SensorKind, default_platform, read_description, read_rate
+from rostether.platform.sensors.cascade import CascadeDetector
 from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
 from rostether.platform.sensors.jpeg import PictureChange
 from rostether.platform.sensors.number_file import NumberFile
 from rostether.platform.sensors.picture_sources import DrawnTestPictures, PictureFolder, PictureSource
+from rostether.platform.sensors.raspberry_camera import RaspberryCamera, has_picamera2
 from rostether.platform.sensors.registered_sensor import platform_word
+from rostether.platform.sensors.system_load import SystemFiles, publish_system_load
+from rostether.platform.sensors.v4l2_camera import V4l2Camera
 from rostether.platform.sensors.value import Scaling, TopicField, publish_values
 from rostether.transports.address import SerialAddress
+from rostether.transports.address_parser import parse_address
 
 # In pixels. The pictures of robots' cameras are smaller.
 _MAX_SIDE = 8192
@@ -88,7 +93,6 @@ async def gps(graph: TypedGraph, _: Arguments) -> None:
     ~platform_name.
     """
     from rostether.platform.sensors.gps import MESSAGE_TYPE, publish_positions
-    from rostether.transports.address_parser import parse_address
 
     parameters = NodeParameters(graph, "gps/")
     address = parse_address(await parameters.text("/dev/ttyACM0", "port"))
@@ -121,8 +125,6 @@ async def system_load(graph: TypedGraph, _: Arguments) -> None:
 
     Parameters: ~rate (0.5 Hz), ~disk (a folder on the disk; /), ~platform_name.
     """
-    from rostether.platform.sensors.system_load import SystemFiles, publish_system_load
-
     parameters = NodeParameters(graph, "system_load/")
     platform = await parameters.text(default_platform(), "platform_name")
     files = SystemFiles(disk=Path(await parameters.text("/", "disk")))
@@ -207,7 +209,6 @@ async def camera(arguments: tuple[str, ...], ros2: str | None) -> None:
 
 async def _camera(is_ros1: bool, graph: TypedGraph, _: Arguments) -> None:
     from rostether.platform.sensors.camera import MESSAGE_TYPE, publish_pictures
-    from rostether.platform.sensors.cascade import CascadeDetector
 
     parameters = NodeParameters(graph, "camera/")
     original = await _original_parameters(graph, parameters) if is_ros1 else {}
@@ -232,9 +233,6 @@ async def _original_parameters(graph: TypedGraph, parameters: NodeParameters) ->
 
 
 async def _source(parameters: NodeParameters, vflip: bool, hflip: bool) -> PictureSource:
-    from rostether.platform.sensors.raspberry_camera import RaspberryCamera, has_picamera2
-    from rostether.platform.sensors.v4l2_camera import V4l2Camera
-
     change = PictureChange(
         vflip=await parameters.flag(vflip, "vflip"),
         hflip=await parameters.flag(hflip, "hflip"),

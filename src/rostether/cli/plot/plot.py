@@ -25,11 +25,13 @@ from rostether.cli.shell.picture_files import picture_format
 from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.misfit_notice import shown_messages
+from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
 from rostether.errors import ConfigError, DefinitionError
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import INTEGER_RANGES
 from rostether.names.graph_name import is_in_namespace
 from rostether.serde.codec import Codec
+from rostether.serde.field_path import FieldPath
 
 # About as many as there are colors; a user who wants more names the fields.
 MAX_FIELDS = 8
@@ -85,9 +87,6 @@ async def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOption
 async def _plot_ros1(
     graph_options: GraphOptions, targets: Sequence[Group], session: PlotSession, msg_paths: tuple[Path, ...]
 ) -> None:
-    from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
-    from rostether.serde.field_path import FieldPath
-
     environment = read_environment(graph_options)
     groups = [[resolve_with_field(target, environment) for target in group] for group in targets]
     async with joined(graph_options, msg_paths, purpose="plot") as graph:

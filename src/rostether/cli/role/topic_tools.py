@@ -14,6 +14,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.names.remap import Arguments
 from rostether.nodes.forwarding import ByteThrottle, MessageThrottle, forward
+from rostether.nodes.mux import Mux
 
 # A mux answers immediately; a user does not wait longer.
 _CALL_LIMIT_S = 10.0
@@ -94,8 +95,6 @@ async def mux(graph: TypedGraph, arguments: Arguments) -> None:
     It offers the services mux/select, mux/add, mux/delete and mux/list. Parameters: _lazy:=true,
     _latch:=true, _initial_topic:=IN.
     """
-    from rostether.nodes.mux import Mux
-
     output, *inputs = _mux_topics(arguments)
     await Mux(
         graph,
