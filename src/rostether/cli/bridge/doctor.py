@@ -78,9 +78,9 @@ async def doctor(
         if (port, ros2) != (None, None):
             raise click.UsageError("with --fleet, doctor examines no board; omit PORT and --ros2")
         from rostether.cli.platform.fleet import examine_fleet
-        from rostether.cli.platform.fleet_options import fleet_settings
+        from rostether.cli.platform.fleet_options import FleetOptions
 
-        settings = fleet_settings(key_file=key_file, interfaces=interfaces)
+        settings = FleetOptions(key_file=key_file, interfaces=interfaces).settings()
         return await examine_fleet(settings, seconds or 1.0, as_json=as_json)
     if key_file is not None or interfaces:
         raise click.UsageError("--key-file and --interface need --fleet")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import click
 from msgspec.structs import replace
 
-from rostether.cli.platform.fleet_options import MAX_ROBOT, fleet_options, for_robot
+from rostether.cli.platform.fleet_options import MAX_ROBOT, FleetOptions, fleet_options
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
 from rostether.cli.shell.option_group import (
     POSITIVE,
@@ -25,7 +25,7 @@ from rostether.cli.shell.output import json_option, warn, write_finding, write_j
 from rostether.cli.shell.verbs import verb, verb_group
 from rostether.graph.ports import Level
 from rostether.msgdef.registry import Registry
-from rostether.platform.command_frame import ALL_GROUPS, type_kind
+from rostether.platform.command_frame import type_kind
 from rostether.platform.fleet import FleetSender, FleetSettings, has_stopped, silence_text
 from rostether.platform.fleet_examination import examine
 from rostether.platform.fleet_findings import disk_finding, fleet_findings
@@ -60,18 +60,18 @@ fleet = verb_group(
 @verb("list", "rostether fleet list --interface wlan0 --key-file fleet.key")
 @json_option
 @fleet_options
-async def list_robots(as_json: bool, fleet: FleetSettings) -> int:
+async def list_robots(as_json: bool, fleet: FleetOptions) -> int:
     """List the robots that answer: id, address, whether they move, and which sender commands them."""
-    return await _query(fleet, as_json, detailed=False)
+    return await _query(fleet.settings(), as_json, detailed=False)
 
 
 @verb("status", "rostether fleet status 3 --key-file fleet.key")
 @_robot
 @json_option
 @fleet_options
-async def status(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
+async def status(robot: int | None, as_json: bool, fleet: FleetOptions) -> int:
     """Show the loss of multicast, the Wi-Fi signal and the sender of one robot, or of all."""
-    return await _query(for_robot(fleet, robot), as_json, detailed=True)
+    return await _query(fleet.settings(robot), as_json, detailed=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,16 +108,16 @@ class DriveOptions:
 )
 @option_group("options", DriveOptions)
 @fleet_options
-async def drive(options: DriveOptions, fleet: FleetSettings) -> int:
+async def drive(options: DriveOptions, fleet: FleetOptions) -> int:
     """Drive one robot or groups (arduino_control/ArduinoControl) for the time of --for, or until Ctrl-C.
 
     One sender commands a robot at a time. A robot stops automatically 0.3 s after the last command. The exit
     code is 1 if no robot answers.
     """
-    targets = (options.robot is not None, fleet.sender.target != ALL_GROUPS, options.to_all)
+    targets = (options.robot is not None, fleet.groups is not None, options.to_all)
     if sum(targets) != 1:
         raise click.UsageError("give one of ROBOT, --groups or --all")
-    settings = for_robot(fleet, options.robot)
+    settings = fleet.settings(options.robot)
     kind = type_kind(Registry().message_type(_CONTROL).md5sum)
     settings = replace(settings, sender=replace(settings.sender, kind=kind))
     payload = struct.pack("<dd", options.direction_deg, options.speed)
@@ -130,13 +130,13 @@ async def drive(options: DriveOptions, fleet: FleetSettings) -> int:
 @_robot
 @json_option
 @fleet_options
-async def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
+async def stop(robot: int | None, as_json: bool, fleet: FleetOptions) -> int:
     """Stop one robot or all, even if another sender commands them; list those that confirm the stop.
 
     The sender that commanded them must start again. The exit code is 1 if no robot confirms the stop, or if
     a robot answers without confirming it.
     """
-    settings = for_robot(fleet, robot)
+    settings = fleet.settings(robot)
     with closing(FleetSender(settings, _report)) as sender:
         robots = await sender.stop()
     for each in robots:
@@ -167,14 +167,14 @@ async def stop(robot: int | None, as_json: bool, fleet: FleetSettings) -> int:
 )
 @json_option
 @fleet_options
-async def doctor(listen_s: float, as_json: bool, fleet: FleetSettings) -> int:
+async def doctor(listen_s: float, as_json: bool, fleet: FleetOptions) -> int:
     """Find out why robots do not obey: networks, ids, clocks and disks.
 
     It measures the loss and the signal of each robot, and compares multicast with unicast. It finds robots
     that do not reach each other, ids that two robots have, clocks that differ, full disks, and (with root)
     networks without an IGMP querier. It commands no robot. The exit code is 1 if there is a problem.
     """
-    return await examine_fleet(fleet, listen_s, as_json=as_json)
+    return await examine_fleet(fleet.settings(), listen_s, as_json=as_json)
 
 
 async def examine_fleet(settings: FleetSettings, listen_s: float, *, as_json: bool) -> int:
