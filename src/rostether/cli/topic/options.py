@@ -76,7 +76,7 @@ class EchoOptions:
         refuse_ros2_only(
             csv=self.csv,
             full_length=self.full_length,
-            truncate_length=self.truncate_length,
+            truncate_length=self.truncate_length is not None,
             flow_style=self.flow_style,
             timeout_s=self.timeout_s,
         )

@@ -302,5 +302,8 @@ def test_options_of_one_ros_only(world: ZenohWorld, shell: Shell) -> None:
         "topic", "echo", "--master", "http://x:1", "/x", code=2
     )
     assert "--csv works on ROS 2 only" in shell.failure("topic", "echo", "--ros1", "--csv", "/x", code=2)
+    assert "--truncate-length works on ROS 2 only" in shell.failure(
+        "topic", "echo", "--ros1", "-l", "0", "/x", code=2
+    )
     assert "node kill` works on ROS 1 only" in shell.failure("node", "kill", "/far/board", code=2)
     assert "service uri` works on ROS 1 only" in shell.failure("service", "uri", "/set_led", code=2)
