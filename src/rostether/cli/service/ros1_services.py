@@ -19,7 +19,6 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.cli.shell.own_command import called_as
 from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.names.graph_name import is_in_namespace
-from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.service_probe import look_up, probe_type, probe_uri, provider
 
@@ -41,7 +40,12 @@ class Ros1Services:
     async def list_services(self, wanted: ServiceListing) -> None:
         """Print the services."""
         refuse_ros2_only(show_types=wanted.show_types, with_hidden=wanted.with_hidden)
-        services = await _services(self._environment, wanted.namespace)
+        within = "/" if wanted.namespace is None else resolve(wanted.namespace, self._environment)
+        async with master_client(self._environment) as client:
+            offered = (await client.system_state())[2]
+        services = sorted(
+            each for each in offered.items() if within == "/" or is_in_namespace(each[0], within)
+        )
         if wanted.count_services:
             write_line(str(len(services)))
             return
@@ -83,7 +87,17 @@ class Ros1Services:
 
     async def find(self, type_name: str) -> None:
         """Print the services of a type."""
-        found = await _find(self._environment, type_name)
+        async with master_client(self._environment) as client:
+
+            async def has_type(name: str) -> bool:
+                try:
+                    return await probe_type(client, name) == type_name
+                except (ServiceUnavailableError, UnknownNameError):
+                    return False
+
+            names = sorted((await client.system_state())[2])
+            matches = await asyncio.gather(*map(has_type, names))
+        found = [name for name, matched in zip(names, matches, strict=True) if matched]
         # rosservice writes an empty line.
         if found or called_as() == "rosservice":
             write_line("\n".join(found))
@@ -120,34 +134,11 @@ class Ros1Services:
             return await question(client, resolve(service, self._environment))
 
 
-async def _services(environment: RosEnvironment, namespace: str | None) -> list[tuple[str, list[str]]]:
-    within = resolve(namespace, environment) if namespace is not None else "/"
-    async with master_client(environment) as client:
-        services = (await client.system_state())[2]
-    return sorted(
-        (name, nodes) for name, nodes in services.items() if within == "/" or is_in_namespace(name, within)
-    )
-
-
 def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
     from rostether.msgdef.registry import Registry
 
     fields = Registry.from_environment(msg_paths).service(type_name).request.fields
     return " ".join(field.name for field in fields)
-
-
-async def _find(environment: RosEnvironment, type_name: str) -> list[str]:
-    async with master_client(environment) as client:
-
-        async def has_type(name: str) -> bool:
-            try:
-                return await probe_type(client, name) == type_name
-            except (ServiceUnavailableError, UnknownNameError):
-                return False
-
-        names = sorted((await client.system_state())[2])
-        matches = await asyncio.gather(*map(has_type, names))
-    return [name for name, matched in zip(names, matches, strict=True) if matched]
 
 
 async def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...]) -> AsyncIterator[Message]:

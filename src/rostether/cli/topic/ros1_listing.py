@@ -67,7 +67,12 @@ class Ros1TopicListing:
     async def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
         """Print a topic's type, and the nodes that publish and subscribe to it. Raises UnknownNameError."""
         refuse_ros2_only(verbose=verbose)
-        view, uris = await _fetch_one(topic, self._environment)
+        name, topics = resolve(topic, self._environment), await fetch_topics(self._environment)
+        view = next((each for each in topics if each.name == name), None)
+        if view is None:
+            raise UnknownNameError(unknown_topic(name, (each.name for each in topics)))
+        async with master_client(self._environment) as client:
+            uris = await node_uris(client, {*view.publishers, *view.subscribers})
         if as_json:
             write_json(
                 {
@@ -153,13 +158,3 @@ async def _by_host(topics: list[TopicEntry], environment: RosEnvironment) -> dic
                 found = TopicEntry(topic.name, topic.type, publishers, subscribers)
                 grouped.setdefault(host, []).append(found)
     return grouped
-
-
-async def _fetch_one(topic: str, environment: RosEnvironment) -> tuple[TopicEntry, dict[str, str | None]]:
-    name = resolve(topic, environment)
-    views = await fetch_topics(environment)
-    for view in views:
-        if view.name == name:
-            async with master_client(environment) as client:
-                return view, await node_uris(client, {*view.publishers, *view.subscribers})
-    raise UnknownNameError(unknown_topic(name, (view.name for view in views)))
