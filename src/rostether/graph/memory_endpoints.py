@@ -10,12 +10,12 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from rostether.errors import (
     RostetherError,
     ServiceCallError,
-    ServiceTimeoutError,
     ServiceUnavailableError,
     TypeMismatchError,
 )
 from rostether.graph.callbacks import call_safely, report_error
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, PublicationFlow, SubscriberFlow
+from rostether.graph.node_membership import answer_within
 from rostether.graph.ports import OnMessages, ServiceHandler, SubscribeOptions
 from rostether.mechanisms.tasks import start_task
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, MessageType, ServiceType, agree
@@ -262,12 +262,8 @@ class MemoryServiceServer:
         task = start_task(self._calls, self._answer(request))
         # If the caller has given up, an error of the handler is ignored.
         task.add_done_callback(lambda ended: ended.cancelled() or ended.exception())
-        done, _ = await asyncio.wait((task,), timeout=timeout_s)
-        if not done:
-            raise ServiceTimeoutError(
-                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not"
-                " hang"
-            )
+        async with answer_within(self.service, timeout_s):
+            await asyncio.wait((task,))
         if task.cancelled():
             raise ServiceUnavailableError(f"service {self.service} was shut down during the call")
         return task.result()

@@ -11,12 +11,12 @@ from rostether.errors import (
     ProtocolError,
     RostetherError,
     ServiceCallError,
-    ServiceTimeoutError,
     ServiceUnavailableError,
     TransportError,
     TypeMismatchError,
     UnknownNameError,
 )
+from rostether.graph.node_membership import answer_within
 from rostether.msgdef.interface import ServiceType
 from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -62,18 +62,12 @@ class ServiceClient:
         Raises ServiceUnavailableError, ServiceTimeoutError, ServiceCallError with the server's text,
         TypeMismatchError, MasterUnreachableError.
         """
-        try:
-            async with asyncio.timeout(timeout_s):
-                if not self._persistent:
-                    return await self._call(await self._open(self._request_fields), request)
-                async with self._lock:
-                    connection = self._reuse() or await self._open(self._request_fields)
-                    return await self._call(connection, request)
-        except TimeoutError:
-            raise ServiceTimeoutError(
-                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not"
-                " hang"
-            ) from None
+        async with answer_within(self.service, timeout_s):
+            if not self._persistent:
+                return await self._call(await self._open(self._request_fields), request)
+            async with self._lock:
+                connection = self._reuse() or await self._open(self._request_fields)
+                return await self._call(connection, request)
 
     async def wait_until_available(self, timeout_s: float | None = None) -> None:
         """Wait until a server answers. Raises ServiceUnavailableError after `timeout_s`."""

@@ -9,11 +9,11 @@ from typing import Any
 from rostether.errors import (
     RostetherError,
     ServiceCallError,
-    ServiceTimeoutError,
     ServiceUnavailableError,
     TypeMismatchError,
 )
 from rostether.graph.callbacks import report_error
+from rostether.graph.node_membership import answer_within
 from rostether.graph.ports import Level, ServiceHandler
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.ros2.handover import convert
@@ -75,13 +75,8 @@ class RclpyServiceClient:
         answer: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
         pending = await self._own.thread.run(lambda: self._send(cdr, answer))
         try:
-            async with asyncio.timeout(timeout_s):
+            async with answer_within(self.service, timeout_s):
                 response = await self._wait(answer)
-        except TimeoutError:
-            raise ServiceTimeoutError(
-                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not "
-                "hang"
-            ) from None
         finally:
             if not answer.done() or answer.cancelled():
                 self._own.thread.submit(lambda: self._forget(pending))

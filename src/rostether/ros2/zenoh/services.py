@@ -12,8 +12,9 @@ from typing import cast
 
 import zenoh
 
-from rostether.errors import RostetherError, ServiceCallError, ServiceTimeoutError, ServiceUnavailableError
+from rostether.errors import RostetherError, ServiceCallError, ServiceUnavailableError
 from rostether.graph.callbacks import report_error
+from rostether.graph.node_membership import answer_within
 from rostether.graph.ports import ServiceHandler
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.mechanisms.text import fold_line
@@ -100,15 +101,10 @@ class ZenohServiceClient:
         graph = self._node.session.graph
         graph.listen(TokenKind.SERVER, self.service, watch_server)
         try:
-            async with asyncio.timeout(timeout_s):
+            async with answer_within(self.service, timeout_s):
                 # In a thread, because zenoh blocks until the link has room, for 5 s if the server hangs.
                 await loop.run_in_executor(self._node.session.call_threads, ask)
                 reply = await answer
-        except TimeoutError:
-            raise ServiceTimeoutError(
-                f"service {self.service} did not answer within {timeout_s:g} s; check that its node does not "
-                "hang"
-            ) from None
         finally:
             graph.unlisten(TokenKind.SERVER, self.service, watch_server)
             cancellation.cancel()
