@@ -22,6 +22,8 @@ from collections.abc import Callable
 
 from msgspec import Struct
 
+from rostether.mechanisms.tasks import occurs_within
+
 # The data that waits for one subscriber before its oldest messages are dropped. This is 0.3 s of the fastest
 # flood (13 MB/s), three times the longest pause of a board, and 20 s of the fastest serial line.
 DEFAULT_QUEUE_BYTES = 4 << 20
@@ -61,10 +63,7 @@ class PublicationFlow:
         if not self._congested:
             return
         before = list(self._congested)
-        try:
-            async with asyncio.timeout(timeout_s):
-                await self._open.wait()
-        except TimeoutError:
+        if not await occurs_within(self._open, timeout_s):
             for flow in before:
                 flow.end_pause()
 

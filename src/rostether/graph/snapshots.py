@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterable, Sequence
-from contextlib import aclosing, suppress
+from contextlib import aclosing
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot, TopicEntry
-from rostether.mechanisms.tasks import cancel_all
+from rostether.mechanisms.tasks import cancel_all, occurs_within
 from rostether.msgdef.interface import ANY_TYPE
 
 
@@ -81,10 +81,7 @@ async def poll_snapshots(
         if snapshot != latest:
             latest = snapshot
             yield latest
-        # Not asyncio.wait_for: in Python 3.11, it ignores a cancellation that arrives together with `closed`.
-        with suppress(TimeoutError):
-            async with asyncio.timeout(interval_s):
-                await closed.wait()
+        if await occurs_within(closed, interval_s):
             return
 
 

@@ -26,6 +26,7 @@ async def cancel_all(*tasks: asyncio.Future[Any]) -> None:
 
 async def occurs_within(event: asyncio.Event, limit_s: float | None) -> bool:
     """Wait until an event is set; return False if that takes longer than `limit_s` (None: no limit)."""
+    # Not asyncio.wait_for: in Python 3.11, it ignores a cancellation that arrives together with the event.
     try:
         async with asyncio.timeout(limit_s):
             return await event.wait()

@@ -7,7 +7,6 @@ graph port.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import struct
 import uuid
 from collections.abc import Callable, Sequence
@@ -19,6 +18,7 @@ import msgspec
 from rostether.errors import ServiceCallError
 from rostether.graph.ports import Graph
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.ros2.action_parts import FEEDBACK_MESSAGE, GET_RESULT, SEND_GOAL
 from rostether.ros2.types.native_registry import NativeRegistry, short_name
@@ -131,8 +131,7 @@ class GoalCall:
             on_connection=lambda _: connected.set(),
         )
         async with closed_at_end(subscriber):
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(connected.wait(), CONNECTION_S)
+            await occurs_within(connected, CONNECTION_S)
             return await self._run(goal, on_accepted)
 
     async def cancel(self) -> None:

@@ -14,6 +14,7 @@ from rostether.errors import GraphError, ServiceUnavailableError, TypeMismatchEr
 from rostether.graph.log_message import LOG_TYPE, ROSOUT, encode_log
 from rostether.graph.ports import Level, OnMessages, ServiceHandler, Snapshot, SubscribeOptions
 from rostether.graph.publisher_handle import PublisherHandle
+from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.endpoint_info import ListedClient
 from rostether.ros2.naming import dds_name, logger_name, type_of_dds_name, validate_topic_name
@@ -234,10 +235,7 @@ class ZenohEndpoints(Ros2Membership):
             changed = asyncio.Event()
             graph.listen(TokenKind.SERVER, service, changed.set)
             try:
-                async with asyncio.timeout(ANNOUNCEMENT_S):
-                    await changed.wait()
-            except TimeoutError:
-                pass
+                await occurs_within(changed, ANNOUNCEMENT_S)
             finally:
                 graph.unlisten(TokenKind.SERVER, service, changed.set)
         servers = graph.endpoints(TokenKind.SERVER, service)
