@@ -29,27 +29,27 @@ _DEFAULT_SERIAL_PORT = "/dev/ttyACM0"
     cls=RoleVerb,
 )
 @node_words
-def serial(arguments: tuple[str, ...]) -> None:
+async def serial(arguments: tuple[str, ...]) -> None:
     """Bridge the board at ~port with ~baud."""
     host = HostRole("rosserial_server_serial_node", "rosserial server", ("port", "baud"), _serial_link)
-    run_host(host, node_arguments(arguments))
+    await run_host(host, node_arguments(arguments))
 
 
 @verb("rosserial-server-socket", "rostether role rosserial-server-socket _port:=11411", cls=RoleVerb)
 @node_words
-def socket(arguments: tuple[str, ...]) -> None:
+async def socket(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that connect to the TCP port ~port."""
     host = HostRole("rosserial_server_socket_node", "rosserial server", ("port", "listen"), _socket_link)
-    run_host(host, node_arguments(arguments))
+    await run_host(host, node_arguments(arguments))
 
 
 @verb("rosserial-server-udp", "rostether role rosserial-server-udp _server_port:=11411", cls=RoleVerb)
 @node_words
-def udp(arguments: tuple[str, ...]) -> None:
+async def udp(arguments: tuple[str, ...]) -> None:
     """Bridge the boards that send to the UDP port ~server_port."""
     known = ("server_port", "client_port", "client_addr", "listen")
     host = HostRole("rosserial_server_udp_socket_node", "rosserial server", known, _udp_link)
-    run_host(host, node_arguments(arguments))
+    await run_host(host, node_arguments(arguments))
 
 
 @role("message-info-service", "rostether role message-info-service")

@@ -25,7 +25,6 @@ from rostether.cli.access.ros1_access import read_environment, ros1_join, type_s
 from rostether.cli.access.served_graphs import used_master
 from rostether.cli.bridge.options import config_option, read_devices
 from rostether.cli.bridge.serving import loopback_lines, read_links, serving
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.graph.ports import Level
@@ -33,7 +32,6 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.loopback import LOOPBACK
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import Arguments, parse_arguments
-from rostether.ports.device_book import DeviceBook
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.transports.address import DEFAULT_PORT, SimAddress, TcpAddress
@@ -67,6 +65,7 @@ class HostRole(Struct, frozen=True):
     rostether serial-node tcp 11411
     rostether serial-node /dev/ttyUSB0 servo_control:=servo_pose_server
     """,
+    is_service=True,
     context_settings={"ignore_unknown_options": True},
 )
 @listen_option
@@ -79,7 +78,7 @@ class HostRole(Struct, frozen=True):
     shell_complete=complete_ports,
     metavar="[PORT | tcp [TCP_PORT]] [NAME:=VALUE...]",
 )
-def serial_node(
+async def serial_node(
     arguments: tuple[str, ...], listen: str | None, config: Path | None, graph: GraphOptions
 ) -> None:
     """Connect one board, with the arguments of serial_node.py.
@@ -95,12 +94,12 @@ def serial_node(
         step = f"write {argument}" if argument else "see `rostether serial-node --help`"
         raise click.UsageError(f"no such option {wrong}; {step}")
     host = HostRole(DEFAULT_NODE_NAME, "ROS Serial Python Node", PRIVATE_PARAMETERS, choose_link)
-    run_host(host, parse_arguments(arguments), listen=listen, allowed=graph.allow, config=config)
+    await run_host(host, parse_arguments(arguments), listen=listen, allowed=graph.allow, config=config)
 
 
-def run_host(
+async def run_host(
     host: HostRole,
-    parsed: Arguments,
+    arguments: Arguments,
     *,
     listen: str | None = None,
     allowed: tuple[str, ...] = (),
@@ -110,29 +109,17 @@ def run_host(
 
     `listen` and `allowed` are the values of --listen and --allow; without `config`, the user's file is read.
     """
-    reporter = ConsoleReporter(show_node=False)
-    for name in parsed.private_params.keys() - set(host.parameters):
-        reporter.report(Level.WARN, f"unknown parameter _{name}; known: _{', _'.join(host.parameters)}")
-    for name in parsed.remappings.keys() & set(host.parameters):
-        reporter.report(Level.WARN, f"{name}:= remaps a topic; write _{name}:= to set the {name}")
-    environment = read_environment(GraphOptions(arguments=parsed.special, allow=allowed), listen)
-    devices = read_devices(config, ())
-    hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
-    run(_serve(host, environment, parsed, reporter, hosts, allowed, devices), is_service=True)
-
-
-async def _serve(
-    host: HostRole,
-    environment: RosEnvironment,
-    arguments: Arguments,
-    reporter: ConsoleReporter,
-    hosts: Sequence[str],
-    allowed: tuple[str, ...],
-    devices: DeviceBook,
-) -> None:
     from rostether.bridge.settings import BoardNodes
     from rostether.bridge.supervisor import Links, Supervisor
 
+    reporter = ConsoleReporter(show_node=False)
+    for name in arguments.private_params.keys() - set(host.parameters):
+        reporter.report(Level.WARN, f"unknown parameter _{name}; known: _{', _'.join(host.parameters)}")
+    for name in arguments.remappings.keys() & set(host.parameters):
+        reporter.report(Level.WARN, f"{name}:= remaps a topic; write _{name}:= to set the {name}")
+    environment = read_environment(GraphOptions(arguments=arguments.special, allow=allowed), listen)
+    devices = read_devices(config, ())
+    hosts = environment.listen_hosts if listen is not None else (LOOPBACK,)
     reporter.report(Level.INFO, host.greeting)
     namespace = canonical(join("/", arguments.special.get("__ns", environment.namespace)))
     node_name = validate_name(join(namespace, arguments.special.get("__name", host.node_name)))

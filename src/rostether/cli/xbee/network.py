@@ -21,12 +21,13 @@ from rostether.errors import ConfigError
     cls=RoleVerb,
 )
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="PORT ID... [NAME:=VALUE]...")
-def xbee_network(arguments: tuple[str, ...]) -> None:
+async def xbee_network(arguments: tuple[str, ...]) -> None:
     """Bridge the boards whose XBee radios have the addresses ID, over the radio on PORT.
 
     Each board is a node: xbee_network, xbee_network_2 and so on.
     """
-    run_host(HostRole("xbee_network", "RosSerial Xbee Network", (), network_link), node_arguments(arguments))
+    host = HostRole("xbee_network", "RosSerial Xbee Network", (), network_link)
+    await run_host(host, node_arguments(arguments))
 
 
 def network_link(rest: list[str], parameters: Mapping[str, object], options: str) -> str:
