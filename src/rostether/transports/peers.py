@@ -10,9 +10,8 @@ from msgspec import Struct, field
 
 from rostether.errors import TransportClosedError, TransportError
 from rostether.transports.allow_list import RefusalLog
-from rostether.transports.board_keys import NO_PROOF, Proof
 from rostether.transports.link_quality import LinkQuality
-from rostether.transports.transport import Receiver, Transport
+from rostether.transports.transport import PausingTransport, Receiver, Transport
 
 PeerKey = TypeVar("PeerKey", bound=Hashable)
 
@@ -63,15 +62,15 @@ class SharedMedium(Struct, Generic[PeerKey], frozen=True):
     quality_of: Callable[[PeerKey], LinkQuality | None] = lambda _key: None
 
 
-class PeerTransport(Generic[PeerKey]):
+class PeerTransport(PausingTransport, Generic[PeerKey]):
     """One peer of a shared medium as a `Transport`; made by a `PeerTable`."""
 
-    proof: Proof = NO_PROOF
     can_pause = False
 
     def __init__(
         self, table: PeerTable[PeerKey], key: PeerKey, peer: str, remote: str | None, *, expires: bool
     ) -> None:
+        super().__init__()
         self.remote = remote
         self.key = key
         self.quality = table.medium.quality_of(key)
@@ -85,7 +84,6 @@ class PeerTransport(Generic[PeerKey]):
         self._unproven = bytearray()
         self._table = table
         self.peer = peer
-        self._receiver: Receiver | None = None
         self._held = bytearray()
         self._is_paused = False
         self._is_lost = False
@@ -105,6 +103,8 @@ class PeerTransport(Generic[PeerKey]):
     def start(self, receiver: Receiver) -> None:
         """Start to deliver; called once. Bytes received earlier are kept."""
         self._receiver = receiver
+        if self._is_writing_paused and not self._is_lost:
+            receiver.pause_writing()
         if self._held or self._is_lost:
             asyncio.get_running_loop().call_soon(self._catch_up)
 
@@ -157,16 +157,6 @@ class PeerTransport(Generic[PeerKey]):
         self._unproven += data  # an answer may be cut into several datagrams
         del self._unproven[:-_CANDIDATE_BYTES]
         self.has_answered = entry.is_answer(bytes(self._unproven))
-
-    def pause_writing(self) -> None:
-        """Report that the medium's write buffer is full."""
-        if self._receiver is not None and not self._is_lost:
-            self._receiver.pause_writing()
-
-    def resume_writing(self) -> None:
-        """Report that the medium's write buffer has drained."""
-        if self._receiver is not None and not self._is_lost:
-            self._receiver.resume_writing()
 
     def end(self, error: TransportError | None) -> None:
         """End the transport for a reason; None if this side ends it. Idempotent."""

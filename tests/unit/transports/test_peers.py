@@ -39,6 +39,18 @@ async def medium() -> FakeMedium:
     return FakeMedium()
 
 
+async def test_a_peer_that_starts_later_learns_that_the_medium_is_full(medium: FakeMedium) -> None:
+    medium.table.receive("a", b"1")
+    medium.table.pause_writing()
+    peer = await medium.arrivals.next()
+    seen = Recorder()
+    peer.start(seen)
+    assert seen.write_pauses == [True]
+    medium.table.resume_writing()
+    assert seen.write_pauses == [True, False]
+    medium.table.end_all(None)
+
+
 async def test_write_to_the_peer_it_came_from(medium: FakeMedium) -> None:
     peer, seen = await medium.peer("a")
     peer.write(b"hello")
