@@ -9,8 +9,9 @@ from collections.abc import Mapping
 
 from rostether.errors import RecordingError
 from rostether.recording.compression import Buffer
-from rostether.recording.mcap.content import McapContent, footer_of, has_damaged_summary
+from rostether.recording.mcap.content import McapContent
 from rostether.recording.mcap.data_check import DataCheck, record_name
+from rostether.recording.mcap.reader import footer_of, has_damaged_summary
 from rostether.recording.mcap.records import (
     FOOTER_BYTES,
     MAGIC,

@@ -1,10 +1,9 @@
-"""Finds the content of an MCAP file by its summary, or, without a summary, by reading the whole file."""
+"""The content of an MCAP file, and the search for it if the file has no valid summary."""
 
 from __future__ import annotations
 
 import contextlib
 import re
-import zlib
 from collections.abc import Iterator
 
 from msgspec import field
@@ -22,24 +21,18 @@ from rostether.recording.compression import (
 )
 from rostether.recording.mcap.records import (
     CHUNK_HEAD,
-    FOOTER_BYTES,
     MAGIC,
     MESSAGE_HEAD,
     RECORD_HEAD,
     U32,
     U64,
     Channel,
-    ChunkIndex,
     Op,
     Schema,
-    Statistics,
     check_header,
     decode_channel,
     decode_chunk,
-    decode_chunk_index,
-    decode_footer,
     decode_schema,
-    decode_statistics,
     read_record,
 )
 
@@ -74,99 +67,6 @@ class McapContent(ChunkedContent):
         else:
             channel = decode_channel(data, start, end)
             self.channels[channel.number] = channel
-
-
-def read_content(data: Buffer, damage: str = "") -> McapContent:
-    """Return the content of a file, by its summary, or by a search if the summary is missing or damaged.
-
-    `damage`, if given, is the reason not to use the summary. Raises RecordingError if the file is not MCAP.
-    """
-    begin = bytes(data[: len(MAGIC)])
-    if begin != MAGIC:
-        if MAGIC.startswith(begin):
-            raise RecordingError(f"it is truncated: it has only {len(begin)} bytes")
-        if begin.startswith(MAGIC[:5]):
-            raise RecordingError("it has an unsupported MCAP version; only version 0 can be read")
-        raise RecordingError("it is not an MCAP file: those start with '\\x89MCAP0'")
-    if damage:
-        return search(data, damage)
-    try:
-        return _by_summary(data)
-    except RecordingError as error:
-        return search(data, str(error))
-
-
-def footer_of(data: Buffer) -> tuple[int, int, int]:
-    """Return the positions of summary and summary offsets, and their checksum.
-
-    Raises RecordingError if the file was not closed.
-    """
-    start = len(data) - len(MAGIC) - FOOTER_BYTES
-    if start < len(MAGIC) or bytes(data[-len(MAGIC) :]) != MAGIC:
-        raise RecordingError("it was not closed")
-    op, content, end = read_record(data, start)
-    if op != Op.FOOTER:
-        raise RecordingError("it ends without a footer")
-    return decode_footer(data, content, end)
-
-
-def has_damaged_summary(data: Buffer, position: int, checksum: int) -> bool:
-    """Return whether the summary at a position differs from its checksum; 0 is no checksum."""
-    return checksum != 0 and zlib.crc32(data[position : len(data) - len(MAGIC) - U32.size]) != checksum
-
-
-def _summary_position(data: Buffer) -> int:
-    op, start, end = read_record(data, len(MAGIC))
-    if op != Op.HEADER:
-        raise RecordingError("it does not start with a header")
-    check_header(data, start, end)
-    position, _, checksum = footer_of(data)
-    if position == 0:
-        raise RecordingError("it has no index")
-    if has_damaged_summary(data, position, checksum):
-        raise RecordingError("the checksum (CRC) of its index is wrong")
-    return position
-
-
-def _by_summary(data: Buffer) -> McapContent:
-    content = McapContent()
-    position = _summary_position(data)
-    statistics: Statistics | None = None
-    indexes: list[ChunkIndex] = []
-    summary_end = len(data) - len(MAGIC) - FOOTER_BYTES
-    while position < summary_end:
-        op, start, position = read_record(data, position, summary_end)
-        if op in (Op.SCHEMA, Op.CHANNEL):
-            content.define(op, data, start, position)
-        elif op == Op.STATISTICS:
-            statistics = decode_statistics(data, start, position)
-        elif op == Op.CHUNK_INDEX:
-            indexes.append(decode_chunk_index(data, start, position))
-    if statistics is None:
-        raise RecordingError("it has no statistics")
-    if len(indexes) != statistics.chunk_count:
-        raise RecordingError(f"its index lists {len(indexes)} of {statistics.chunk_count} chunks")
-    if statistics.message_count and not indexes:
-        raise RecordingError("its messages are not in chunks and have no index")
-    unknown = statistics.counts.keys() - content.channels.keys()
-    if unknown:
-        raise RecordingError(f"its index does not list channel {min(unknown)}")
-    content.chunks = sorted((_indexed(data, each) for each in indexes), key=lambda chunk: chunk.start_ns)
-    packed = (each.size_bytes for each in content.chunks if each.compression)
-    check_unpacked_size(sum(min(each, MAX_CHUNK_BYTES) for each in packed), len(data))
-    content.counts = dict(statistics.counts)
-    if statistics.message_count:
-        content.span_ns = (statistics.start_ns, statistics.end_ns)
-    return content
-
-
-def _indexed(data: Buffer, index: ChunkIndex) -> StoredChunk:
-    if index.position > len(data):
-        raise RecordingError("its index lists a chunk after the end of the file")
-    op, start, end = read_record(data, index.position)
-    if op != Op.CHUNK:
-        raise RecordingError("there is no chunk at a position in its index")
-    return replace(decode_chunk(data, start, end), numbers=frozenset(index.indexes) or None)
 
 
 def search(data: Buffer, damage: str) -> McapContent:
