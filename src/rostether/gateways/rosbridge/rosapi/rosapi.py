@@ -90,11 +90,11 @@ class Rosapi:
         row = self._rows.get(service)
         if row is None:
             return None
-        request, response = self._codecs(row)
+        (request, response), handle = self._codecs(row), self.handler(service)
 
         async def answer(args: Any) -> dict[str, Any]:
             payload = self._form.from_json(request, _by_name(request, args), self._graph.now())
-            return self._form.to_json(response, await self._answer(row, request, response, payload))
+            return self._form.to_json(response, await handle(payload))
 
         return answer
 
@@ -102,9 +102,11 @@ class Rosapi:
         """Return the handler of a service on the graph, for payloads."""
         row = self._rows[service]
         request, response = self._codecs(row)
+        has_success_field = any(member.name == "successful" for member in response.tree.members)
 
         async def handle(payload: bytes) -> bytes:
-            return await self._answer(row, request, response, payload)
+            fields = await row.answer(request.decode(payload), has_success_field=has_success_field)
+            return self._form.from_json(response, fields, self._graph.now())
 
         return handle
 
@@ -113,11 +115,6 @@ class Rosapi:
         registry = self._store.registry
         for name, type_name in self.services.items():
             await graph.advertise_service(name, registry.service_type(type_name), self.handler(name))
-
-    async def _answer(self, row: Row, request: Codec, response: Codec, payload: bytes) -> bytes:
-        has_success_field = any(member.name == "successful" for member in response.tree.members)
-        fields = await row.answer(request.decode(payload), has_success_field=has_success_field)
-        return self._form.from_json(response, fields, self._graph.now())
 
     def _codecs(self, row: Row) -> tuple[Codec, Codec]:
         service = self._store.registry.service_type(f"{self._package}/{row.type_name}")
