@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
+from rostether.msgdef.parse_srv import service_of
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.spec import MessageSpec
 
@@ -26,12 +27,8 @@ class TypeIndex:
 
     def header_of(self, message: str) -> str:
         """Return the type whose header contains a message: the message itself, or its service."""
-        if not self.is_message(message):
-            for suffix in ("Request", "Response"):
-                service = message.removesuffix(suffix)
-                if service != message and self.is_service(service):
-                    return service
-        return message
+        service = service_of(message)
+        return service if self.is_service(service) and not self.is_message(message) else message
 
     def specs(self, name: str) -> list[MessageSpec]:
         """Return the message, or the service's request and response. Raises the errors of the registry."""

@@ -45,6 +45,14 @@ def _joined(lines: list[str]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
+def service_of(message_name: str) -> str:
+    """Return the possible service of a message with this name; empty if it can be of none."""
+    for suffix in ("Request", "Response"):
+        if message_name.endswith(suffix):
+            return message_name.removesuffix(suffix)
+    return ""
+
+
 def action_of(message_name: str) -> tuple[str, ...]:
     """Return the possible actions of a message with this name, the most likely first."""
     return tuple(

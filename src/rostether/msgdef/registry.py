@@ -22,7 +22,7 @@ from rostether.msgdef.full_text import message_full_text, split_full_text
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.md5sum import message_md5sum, service_md5sum
 from rostether.msgdef.parse_msg import parse_message
-from rostether.msgdef.parse_srv import action_of, expand_action, parse_service
+from rostether.msgdef.parse_srv import action_of, expand_action, parse_service, service_of
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
 from rostether.msgdef.unknown_type import example_name, explain_unknown
 from rostether.packages.locate import package_folders, package_path
@@ -222,11 +222,9 @@ class Registry:
             if file := self._file(Kind.ACTION, package, action):
                 texts = expand_action(read_definition(file), name=action, file=str(file))
                 return parse_message(texts[short_name], package=package, name=short_name, file=str(file))
-        for suffix in ("Request", "Response"):
-            service = short_name.removesuffix(suffix)
-            if service != short_name and self._file(Kind.SERVICE, package, service):
-                spec = self.service(f"{package}/{service}")
-                return spec.request if suffix == "Request" else spec.response
+        if (service := service_of(short_name)) and self._file(Kind.SERVICE, package, service):
+            spec = self.service(f"{package}/{service}")
+            return spec.request if short_name == spec.request.name else spec.response
         if name in self._learned:
             return parse_message(self._learned[name], package=package, name=short_name)
         raise self._unknown(Kind.MESSAGE, package, short_name)

@@ -10,6 +10,7 @@ from typing import Any
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.interface import MessageType, ServiceType
+from rostether.msgdef.parse_srv import service_of
 from rostether.msgdef.registry import Registry
 from rostether.rospy.client.message import AnyMsg, Message
 from rostether.rospy.client.stamps import Duration, Time, new_stamp
@@ -143,11 +144,8 @@ class MessageTypes:
 
     def module_of(self, message_name: str) -> str:
         """Return `srv` for requests and responses, else `msg`."""
-        for suffix in ("Request", "Response"):
-            service = message_name.removesuffix(suffix)
-            if service != message_name and service in self.registry.services(message_name.partition("/")[0]):
-                return "srv"
-        return "msg"
+        service = service_of(message_name)
+        return "srv" if service and service in self.registry.services(service.partition("/")[0]) else "msg"
 
 
 def message_type_of(message_class: type[Message]) -> MessageType:
