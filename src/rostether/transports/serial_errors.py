@@ -31,9 +31,8 @@ def explain_open_error(address: SerialAddress, error: Exception, list_ports: Lis
     if isinstance(error, FileNotFoundError):
         return TransportOpenError(f"no serial port {path}; {_describe_ports(list_ports)}")
     if code == errno.EBUSY:
-        return TransportOpenError(
-            f"{path} is in use by {find_holder(path) or 'another program'}; close that program"
-        )
+        holder = find_holder(path) or "another program, such as the Arduino IDE's serial monitor"
+        return TransportOpenError(f"{path} is in use by {holder}; close that program")
     if isinstance(error, PermissionError):
         return TransportOpenError(explain_permission(path))
     if code in (errno.ENOTTY, errno.EISDIR) or (code == errno.EINVAL and not _is_terminal(path)):
