@@ -12,9 +12,8 @@ import sys
 from rostether.bridge.supervisor import Supervisor
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
 from rostether.ros2.types.type_support import Ros2Types
-from rostether.ros2.zenoh.configuration import Reach, RouterChoice
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.serde.store import TypeStore
 from rostether.transports.address_parser import parse_address
@@ -25,7 +24,7 @@ async def serve(device_port: str, zenoh_port: str, name: str) -> None:
     registry = Registry()
     environment = Ros2Environment(zenoh_overrides=(("listen/endpoints", f'["tcp/127.0.0.1:{zenoh_port}"]'),))
     types = Ros2Types(registry, Ros2Definitions())
-    session = await ZenohSession.open(environment, types, reach=Reach(RouterChoice.ALWAYS))
+    session = await ZenohSession.open(environment, types, reach=ZenohReach(RouterChoice.ALWAYS))
     supervisor = Supervisor(session.join, TypeStore(registry))
     await supervisor.start([parse_address(f"tcp://127.0.0.1:{device_port}?name={name}")])
     gc.freeze()

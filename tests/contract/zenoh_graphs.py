@@ -11,9 +11,8 @@ from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import Graph, JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
 from rostether.ros2.types.type_support import Ros2Types
-from rostether.ros2.zenoh.configuration import Reach, RouterChoice
 from rostether.ros2.zenoh.session import ZenohSession
 
 
@@ -34,7 +33,7 @@ async def open_session(
         overrides = (("listen/endpoints", '["tcp/127.0.0.1:0"]'), ("connect/endpoints", endpoint))
     choice = RouterChoice.ALWAYS if is_router else RouterChoice.NEVER
     environment = Ros2Environment(domain_id=domain_id, zenoh_overrides=overrides)
-    return await ZenohSession.open(environment, types or ros2_types(), reach=Reach(choice))
+    return await ZenohSession.open(environment, types or ros2_types(), reach=ZenohReach(choice))
 
 
 async def open_router(domain_id: int = 0) -> tuple[ZenohSession, int]:

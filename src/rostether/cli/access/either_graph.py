@@ -6,10 +6,11 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
+from rostether.cli.access.graph_options import GraphOptions, Middleware
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros1_access import joined, read_environment, type_store
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.ros2.environment import RouterChoice, ZenohReach
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph
@@ -30,7 +31,7 @@ async def joined_either(graph: GraphOptions, *, purpose: str) -> AsyncIterator[t
     from rostether.graph.typed_graph import TypedGraph
 
     refuse_ros1_only(master=graph.master)
-    async with ros2_access(graph.ros2, reach=ZenohReach(router="never")) as access:
+    async with ros2_access(graph.ros2, reach=ZenohReach(RouterChoice.NEVER)) as access:
         if graph.ros2 is Middleware.ZENOH:
             await warn_without_router()
         raw = await access.join(graph.node_name(HIDDEN_NAME))

@@ -23,6 +23,7 @@ from rostether.cli.shell.option_group import (
     option_group,
 )
 from rostether.errors import ConfigError
+from rostether.ros2.environment import RouterChoice, ZenohReach
 
 ROS2_OPTION = "--ros2"
 # The value of `--ros2` alone: the middleware in the environment, else the installed one.
@@ -88,15 +89,6 @@ def middleware_of(ros2: str | None) -> Middleware:
 def installed_middleware() -> Middleware:
     """Return rclpy if it is installed, else zenoh."""
     return Middleware.RCLPY if find_spec("rclpy") is not None else Middleware.ZENOH
-
-
-@dataclass(frozen=True, slots=True)
-class ZenohReach:
-    """The zenoh options: endpoints such as `tcp/192.168.1.7:7447`, and a value of --zenoh-router."""
-
-    connect: tuple[str, ...] = ()
-    listen: tuple[str, ...] = ()
-    router: str = "auto"
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,6 +258,6 @@ def _chosen_graph(
         master=master,
         allow=allow,
         arguments=ros_arguments(),
-        zenoh=ZenohReach(zenoh_connect, zenoh_listen, zenoh_router),
+        zenoh=ZenohReach(RouterChoice(zenoh_router), zenoh_connect, zenoh_listen),
         params_files=params_files,
     )

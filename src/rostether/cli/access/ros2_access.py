@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from msgspec import Struct
 
-from rostether.cli.access.graph_options import Middleware, ZenohReach
+from rostether.cli.access.graph_options import Middleware
 from rostether.graph.ports import Graph, JoinGraph
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import join as join_names
-from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.environment import Ros2Environment, ZenohReach
 
 if TYPE_CHECKING:
     from rostether.ros2.types.type_support import Ros2Types
@@ -87,14 +87,9 @@ async def _over_zenoh(
     from rostether.ros2.parameters.parameter_file import read_parameter_files
     from rostether.ros2.session import zenoh_sessions
 
-    # Reports a missing zenoh, which the next import needs.
     sessions = zenoh_sessions()
-    from rostether.ros2.zenoh.configuration import Reach, RouterChoice
-
     rules = read_parameter_files(params_files)
-    session = await sessions.open(
-        environment, types, reach=Reach(RouterChoice(reach.router), reach.connect, reach.listen)
-    )
+    session = await sessions.open(environment, types, reach=reach)
 
     async def join(
         node_name: str, *, namespace: str = "/", remappings: Mapping[str, str] | None = None

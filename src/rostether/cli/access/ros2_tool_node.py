@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
-from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
+from rostether.cli.access.graph_options import GraphOptions, Middleware
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.output import warn
 from rostether.errors import GraphError, UnknownTypeError
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import is_hidden
 from rostether.ros2.endpoint_info import EndpointKind, Ros2Graph
-from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
 from rostether.ros2.graph_view import GraphView
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ async def tool_node(
     assert middleware is not None
     registry = NativeRegistry.from_environment(msg_paths)
     # A tool runs briefly: it must not be the router that others depend on.
-    reach = ZenohReach(router="never")
+    reach = ZenohReach(RouterChoice.NEVER)
     types = NativeTypes(registry) if needs_definitions else UndefinedTypes(registry, asks_nodes=False)
     async with ros2_access(middleware, reach=reach, types=types) as access:
         if middleware is Middleware.ZENOH and not is_quiet:

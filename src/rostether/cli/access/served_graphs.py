@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from msgspec import Struct
 from msgspec.structs import replace
 
-from rostether.cli.access.graph_options import GraphOptions, ZenohReach
+from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.ros1_access import ros1_join
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.errors import ConfigError, GraphError, MasterUnreachableError
@@ -22,6 +22,7 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node_queries import TOOL_NAME
+from rostether.ros2.environment import RouterChoice, ZenohReach
 
 if TYPE_CHECKING:
     from rostether.ros2.actions.board_graph import NativeSession
@@ -100,7 +101,7 @@ async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asyn
     types = NativeTypes(registry)
     await types.searched()
     # The boards' session is the router if this process has one; this session must not be another.
-    reach = ZenohReach(graph.zenoh.connect, (), "never")
+    reach = ZenohReach(RouterChoice.NEVER, graph.zenoh.connect)
     async with ros2_access(graph.ros2, msg_paths, reach=reach, types=types) as access:
         yield NativeSession(access.join, types, registry)
 

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import click
 from msgspec import Struct
 
-from rostether.cli.access.graph_options import GraphOptions, Middleware, ZenohReach
+from rostether.cli.access.graph_options import GraphOptions, Middleware
 from rostether.cli.shell.option_group import add_option
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError
+from rostether.ros2.environment import RouterChoice, ZenohReach
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph
@@ -139,7 +140,7 @@ async def recording_graph(
     paths = tuple(msg_paths)
     types = recording_types(origins, paths) if is_native and graph.is_ros2_alone else None
     # A recorder must not become the router that other programs need.
-    reach = ZenohReach(graph.zenoh.connect, graph.zenoh.listen, "never")
+    reach = ZenohReach(RouterChoice.NEVER, graph.zenoh.connect, graph.zenoh.listen)
     name = graph.node_name(purpose)
     async with ros2_access(graph.ros2, paths, reach=reach, types=types) as access:
         if graph.ros2 is Middleware.ZENOH and not (reach.connect or reach.listen):

@@ -54,10 +54,10 @@ async def _examine_routers(environment: Ros2Environment, report: _Report) -> Non
     """Try the router of this machine, and every endpoint that the configuration files name."""
     # zenoh may be missing; `ros2_access` reports that.
     try:
+        from rostether.ros2.environment import ZenohReach
         from rostether.ros2.zenoh.access_check import find_denied_topics
         from rostether.ros2.zenoh.configuration import (
             ROUTER_ENDPOINT,
-            Reach,
             configures_endpoints,
             peer_configuration,
             router_configuration,
@@ -81,7 +81,7 @@ async def _examine_routers(environment: Ros2Environment, report: _Report) -> Non
     ):
         if path is None:
             continue
-        configuration = configure(environment, Reach())
+        configuration = configure(environment, ZenohReach())
         tls = tls_of(configuration)
         for endpoint in endpoints_of(configuration, "connect"):
             fault = await find_fault(endpoint, tls)

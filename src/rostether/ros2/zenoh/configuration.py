@@ -10,15 +10,13 @@ import asyncio
 import json
 import re
 from collections.abc import Sequence
-from enum import Enum
 from pathlib import Path
 
 import zenoh
-from msgspec import Struct
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import fold_line
-from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
 
 ROUTER_PORT = 7447
 ROUTER_ENDPOINT = f"tcp/localhost:{ROUTER_PORT}"
@@ -57,25 +55,6 @@ _ROUTER = {"mode": '"router"', "connect/exit_on_failure": "false"}
 _JSON_ERROR = re.compile(r'JSON error: Message { msg: "(.*)", location: .* line: (\d+), column: (\d+) .*')
 
 
-class RouterChoice(Enum):
-    """When a session becomes the router."""
-
-    # Becomes the router if no router answers.
-    AUTO = "auto"
-    # Waits for a router without a time limit.
-    NEVER = "never"
-    # Fails if the address is in use. Configured listen endpoints replace the default one.
-    ALWAYS = "always"
-
-
-class Reach(Struct, frozen=True):
-    """Where a session connects and listens: endpoints (`tcp/192.168.1.7:7447`) besides the default ones."""
-
-    router: RouterChoice = RouterChoice.AUTO
-    connect: tuple[str, ...] = ()
-    listen: tuple[str, ...] = ()
-
-
 async def is_router_there(endpoint: str = ROUTER_ENDPOINT) -> bool:
     """Return whether something accepts connections at a tcp or tls endpoint; True for other protocols."""
     protocol, _, address = endpoint.partition("/")
@@ -91,7 +70,7 @@ async def is_router_there(endpoint: str = ROUTER_ENDPOINT) -> bool:
     return True
 
 
-def peer_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Config:
+def peer_configuration(environment: Ros2Environment, reach: ZenohReach) -> zenoh.Config:
     """Return the configuration of a session that connects to a router. Raises ConfigError."""
     if environment.zenoh_session_config is not None:
         return _override(_from_file(environment.zenoh_session_config), environment, reach)
@@ -99,7 +78,7 @@ def peer_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Conf
     return _override(_from_settings(settings), environment, reach)
 
 
-def router_configuration(environment: Ros2Environment, reach: Reach) -> zenoh.Config:
+def router_configuration(environment: Ros2Environment, reach: ZenohReach) -> zenoh.Config:
     """Return the configuration of a session that is the router. Raises ConfigError."""
     if environment.zenoh_router_config is not None:
         return _override(_from_file(environment.zenoh_router_config), environment, reach)
@@ -132,7 +111,7 @@ def _from_settings(settings: dict[str, str]) -> zenoh.Config:
     return configuration
 
 
-def _override(configuration: zenoh.Config, environment: Ros2Environment, reach: Reach) -> zenoh.Config:
+def _override(configuration: zenoh.Config, environment: Ros2Environment, reach: ZenohReach) -> zenoh.Config:
     _add(configuration, "connect/endpoints", reach.connect)
     _add(configuration, "listen/endpoints", reach.listen)
     for path, value in environment.zenoh_overrides:

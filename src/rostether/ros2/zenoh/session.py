@@ -13,15 +13,13 @@ import zenoh
 from rostether.errors import ConfigError, MasterUnreachableError
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import join
-from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
 from rostether.ros2.handover import Handover
 from rostether.ros2.naming import validate_node_name
 from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.access_check import find_denied_topics
 from rostether.ros2.zenoh.configuration import (
     ROUTER_ENDPOINT,
-    Reach,
-    RouterChoice,
     configures_endpoints,
     is_router_there,
     one_line,
@@ -81,13 +79,13 @@ class ZenohSession(SharedSession):
 
     @classmethod
     async def open(
-        cls, environment: Ros2Environment, types: Ros2Types, *, reach: Reach | None = None
+        cls, environment: Ros2Environment, types: Ros2Types, *, reach: ZenohReach | None = None
     ) -> ZenohSession:
         """Open a session that connects to a router or is the router of this machine, according to `reach`.
 
         Raises ConfigError, and MasterUnreachableError if zenoh cannot open it.
         """
-        reach = reach or Reach()
+        reach = reach or ZenohReach()
         if await _replaces_router(environment, reach):
             try:
                 configuration = router_configuration(environment, reach)
@@ -210,7 +208,7 @@ class ZenohSession(SharedSession):
             self._token_queue.put((key, sample.kind == zenoh.SampleKind.PUT))
 
 
-async def _replaces_router(environment: Ros2Environment, reach: Reach) -> bool:
+async def _replaces_router(environment: Ros2Environment, reach: ZenohReach) -> bool:
     if reach.router is not RouterChoice.AUTO:
         return reach.router is RouterChoice.ALWAYS
     if reach.connect or configures_endpoints(environment):

@@ -7,11 +7,11 @@ import pytest
 from contract.graphs import STRING, Inbox
 from contract.zenoh_graphs import open_session, ros2_types
 from interop.ros1_peers import free_port
-from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
 from rostether.ros2.zenoh import access_check
 from rostether.ros2.zenoh import session as session_module
 from rostether.ros2.zenoh.access_check import find_denied_topics
-from rostether.ros2.zenoh.configuration import Reach, RouterChoice, peer_configuration
+from rostether.ros2.zenoh.configuration import peer_configuration
 from rostether.ros2.zenoh.session import ZenohSession
 from waiting import until
 
@@ -47,7 +47,7 @@ async def test_topics_that_a_router_denies_are_reported(
             )
         ),
         ros2_types(),
-        reach=Reach(RouterChoice.ALWAYS),
+        reach=ZenohReach(RouterChoice.ALWAYS),
     )
     robot = await router.join("robot")
     await robot.subscribe("/robot1/cmd_vel", STRING, Inbox().store)
@@ -58,7 +58,7 @@ async def test_topics_that_a_router_denies_are_reported(
     await until(lambda: "access denied" in caplog.text)
     assert f"the router at {endpoint} does not forward /robot1/cmd_vel for this program" in caplog.text
 
-    configuration = peer_configuration(Ros2Environment(), Reach())
+    configuration = peer_configuration(Ros2Environment(), ZenohReach())
     # For the whole graph, as in `doctor`.
     denied = await find_denied_topics(configuration, endpoint, 0)
     assert denied is not None

@@ -8,10 +8,9 @@ from contract.graphs import STRING, Inbox, string
 from contract.zenoh_graphs import open_router, open_session, ros2_types
 from interop.ros1_peers import free_port
 from rostether.errors import InvalidNameError, MasterUnreachableError
-from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
 from rostether.ros2.zenoh import configuration
 from rostether.ros2.zenoh import session as session_module
-from rostether.ros2.zenoh.configuration import Reach, RouterChoice
 from rostether.ros2.zenoh.session import ZenohSession
 from waiting import until
 
@@ -122,7 +121,7 @@ async def test_a_session_becomes_the_router_if_there_is_none(monkeypatch: pytest
     node = await first.join("node")
     await until(lambda: "/node" in second.graph.snapshot().nodes)
     with pytest.raises(MasterUnreachableError, match="cannot listen"):
-        await ZenohSession.open(Ros2Environment(), ros2_types(), reach=Reach(RouterChoice.ALWAYS))
+        await ZenohSession.open(Ros2Environment(), ros2_types(), reach=ZenohReach(RouterChoice.ALWAYS))
     await first.close()
     assert await node.wait_closed() == "the session ended"
     await second.close()
@@ -150,7 +149,7 @@ async def test_a_named_router_that_does_not_answer_is_reported(caplog: pytest.Lo
     # Without the default endpoint, where a router of this machine may run.
     overrides = (("listen/endpoints", "[]"), ("connect/endpoints", f'["{endpoint}"]'))
     environment = Ros2Environment(zenoh_overrides=overrides)
-    reach = Reach(RouterChoice.NEVER, connect=(endpoint,))
+    reach = ZenohReach(RouterChoice.NEVER, connect=(endpoint,))
     session = await ZenohSession.open(environment, ros2_types(), reach=reach)
     await until(lambda: f"no zenoh router answers at {endpoint} yet" in caplog.text)
     await session.close()
@@ -159,7 +158,7 @@ async def test_a_named_router_that_does_not_answer_is_reported(caplog: pytest.Lo
 async def test_a_router_reports_unreachable_routers(caplog: pytest.LogCaptureFixture) -> None:
     other, port = await open_router()
     silent = f"tcp/127.0.0.1:{free_port()}"
-    reach = Reach(
+    reach = ZenohReach(
         RouterChoice.ALWAYS,
         connect=(f"tcp/127.0.0.1:{port}", silent),
         listen=(f"tcp/127.0.0.1:{free_port()}",),
@@ -175,7 +174,7 @@ async def test_a_second_router_has_another_endpoint(monkeypatch: pytest.MonkeyPa
     other, port = await open_router()
     monkeypatch.setattr(configuration, "ROUTER_ENDPOINT", f"tcp/127.0.0.1:{port}")
     place = f"tcp/127.0.0.1:{free_port()}"
-    reach = Reach(RouterChoice.ALWAYS, listen=(place,))
+    reach = ZenohReach(RouterChoice.ALWAYS, listen=(place,))
     session = await ZenohSession.open(Ros2Environment(), ros2_types(), reach=reach)
     assert await configuration.is_router_there(place)
     await session.close()
@@ -192,7 +191,7 @@ async def _client(port: int) -> ZenohSession:
             ("connect/retry", "{period_init_ms: 100, period_max_ms: 200, period_increase_factor: 2}"),
         )
     )
-    return await ZenohSession.open(environment, ros2_types(), reach=Reach(RouterChoice.NEVER))
+    return await ZenohSession.open(environment, ros2_types(), reach=ZenohReach(RouterChoice.NEVER))
 
 
 async def _nodes(session: ZenohSession) -> set[str]:
