@@ -21,8 +21,13 @@ from rostether.bridge.identity import hardware_id, identify_peer, node_name
 from rostether.bridge.peer_entry import BOARD_ENTRY
 from rostether.bridge.ports.discovery import Discovery
 from rostether.bridge.ports.found_port import THIS_MACHINE, MachinePorts
-from rostether.bridge.ports.link_keeper import LinkKeeper, OpenTransport, identify_address, return_condition
-from rostether.bridge.ports.open_attempts import OpenAttempts
+from rostether.bridge.ports.link_keeper import (
+    LinkKeeper,
+    OpenAttempts,
+    OpenTransport,
+    identify_address,
+    return_condition,
+)
 from rostether.bridge.process_memory import BoardObjects
 from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter, reason_of
 from rostether.bridge.session import Session

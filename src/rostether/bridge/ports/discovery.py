@@ -7,7 +7,7 @@ import os
 from collections.abc import Awaitable, Callable, Sequence
 
 from rostether.bridge.ports.found_port import THIS_MACHINE, FoundPort, MachinePorts
-from rostether.bridge.ports.open_attempts import ServeLink
+from rostether.bridge.ports.link_keeper import ServeLink
 from rostether.bridge.reporter import Reporter
 from rostether.graph.ports import Level
 from rostether.ports.device_book import DeviceBook

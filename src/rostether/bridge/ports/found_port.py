@@ -15,7 +15,7 @@ from collections.abc import Awaitable, Callable, Sequence
 
 from msgspec import Struct
 
-from rostether.bridge.ports.open_attempts import OpenAttempts, ServeLink
+from rostether.bridge.ports.link_keeper import OpenAttempts, ServeLink
 from rostether.bridge.ports.port_probe import TunableTransport, probe_port
 from rostether.bridge.reporter import Reporter, shown_line
 from rostether.errors import RostetherError, SessionError, TransportError

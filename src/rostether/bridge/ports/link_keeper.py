@@ -1,4 +1,4 @@
-"""Keeps one link open: waits for a missing port, and opens it again after each loss."""
+"""Keeps one link open: waits for a missing port, opens it again after each loss, and paces the attempts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from typing import TypeAlias
 from msgspec.structs import replace
 
 from rostether.bridge.identity import identify_peer
-from rostether.bridge.ports.open_attempts import SETTLE_S, OpenAttempts, ServeLink
 from rostether.bridge.reporter import Reporter
 from rostether.errors import NodeEndedError, TransportError
 from rostether.graph.ports import Level
@@ -34,6 +33,37 @@ MAX_RETRY_S = 0.4
 
 # Opens one link; raises TransportError.
 OpenTransport: TypeAlias = Callable[[Address], Awaitable[Transport]]
+
+
+# udev sets the group of a new port, and ModemManager releases it, a moment after it appears: only an error
+# that lasts longer is reported.
+SETTLE_S = 1.0
+
+# Uses an open link until it ends; returns the error that ended it, None if the bridge ended it. Raises
+# SessionError if it must not be served again.
+ServeLink: TypeAlias = Callable[[Address, Transport, BoardIdentity], Awaitable[TransportError | None]]
+
+
+class OpenAttempts:
+    """Paces the attempts to open a link, and reports each new reason why they fail.
+
+    `settle_s` is the time from the first attempt during which nothing is reported.
+    """
+
+    def __init__(
+        self, backoff: Backoff, report: Callable[[str], object], *, settle_s: float = SETTLE_S
+    ) -> None:
+        self._backoff = backoff
+        self._report = report
+        self._report_at_s = asyncio.get_running_loop().time() + settle_s
+        self._reported = ""
+
+    async def wait_after(self, reason: str) -> None:
+        """Report why an attempt failed, unless that was the last report, and wait for the next attempt."""
+        if reason != self._reported and asyncio.get_running_loop().time() >= self._report_at_s:
+            self._reported = reason
+            self._report(reason)
+        await asyncio.sleep(self._backoff.next_delay_s())
 
 
 class LinkKeeper:

@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from rostether.bridge.ports.open_attempts import OpenAttempts
+from rostether.bridge.ports.link_keeper import OpenAttempts
 from rostether.mechanisms.backoff import Backoff
 
 
