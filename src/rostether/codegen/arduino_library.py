@@ -16,7 +16,7 @@ from typing import Concatenate, ParamSpec
 from msgspec import Struct
 
 from rostether.codegen.library_folder import check_parent, write_library_folder
-from rostether.codegen.library_source import SOURCE_FOLDER, client_library, library_files
+from rostether.codegen.library_source import SOURCE_FOLDER, client_library, library_contents
 from rostether.codegen.message_headers import generate_headers
 from rostether.codegen.type_index import TypeIndex
 from rostether.codegen.wanted_types import all_types, types_of_packages, types_of_sketch
@@ -87,11 +87,7 @@ def render_library(
     source = client_library()
     index = TypeIndex(registry)
     is_complete = for_sketch is None and packages is None
-    files = {
-        path: (source / path).read_bytes()
-        for path in library_files(source)
-        if is_complete or not path.startswith(_ONLY_WITH_ALL_TYPES)
-    }
+    files = library_contents(source, () if is_complete else _ONLY_WITH_ALL_TYPES)
     if is_complete:
         wanted = all_types(index)
     else:

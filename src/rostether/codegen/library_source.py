@@ -25,6 +25,11 @@ def client_library() -> Path:
     raise CodegenError(f"the client library is missing beside {_PACKAGE}; install rostether again")
 
 
+def library_contents(root: Path, omitted: tuple[str, ...] = ()) -> dict[str, bytes]:
+    """Return the files of `library_files` by path, without those whose path starts with one of `omitted`."""
+    return {path: (root / path).read_bytes() for path in library_files(root) if not path.startswith(omitted)}
+
+
 def library_files(root: Path) -> Iterator[str]:
     """Yield the paths of the files in a library's folder, with slashes, sorted.
 

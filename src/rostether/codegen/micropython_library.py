@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from rostether.codegen.arduino_library import RenderedLibrary, writer_of
-from rostether.codegen.library_source import MICROPYTHON_FOLDER, client_library, library_files
+from rostether.codegen.library_source import MICROPYTHON_FOLDER, client_library, library_contents
 from rostether.codegen.python_message import message_module, service_module
 from rostether.codegen.python_names import MODULES, class_name, package_name
 from rostether.codegen.reserved_words import LIBRARY_NAMESPACE
@@ -55,12 +55,8 @@ def render_micropython_library(
     else:
         wanted = WantedTypes() if for_program is None else _types_of_program(index, for_program)
         wanted.names |= types_of_packages(index, packages or ()).names
-    files = {
-        path: (source / path).read_bytes()
-        for path in library_files(source)
-        # Examples use messages of many packages.
-        if is_complete or not path.startswith("examples/")
-    }
+    # Examples use messages of many packages.
+    files = library_contents(source, () if is_complete else ("examples/",))
     types: list[str] = []
     skipped: list[str] = list(wanted.missing)
     for name in sorted(wanted.names):

@@ -48,12 +48,12 @@ class NodeNames:
         """Set the node's name, with which private names resolve. Returns its full name."""
         self.caller_id = full_name(base_name, self.caller_id)
         self.namespace = parent_namespace(self.caller_id)
-        self.resolved_mappings = {
-            source if source.startswith("__") else full_name(source, self.caller_id): target
-            if source.startswith("__")
-            else full_name(target, self.caller_id)
-            for source, target in self.mappings.items()
-        }
+        self.resolved_mappings = {}
+        for source, target in self.mappings.items():
+            if source.startswith("__"):
+                self.resolved_mappings[source] = target
+            else:
+                self.resolved_mappings[full_name(source, self.caller_id)] = full_name(target, self.caller_id)
         return self.caller_id
 
     def resolve(self, name: str, caller_id: str | None = None) -> str:
