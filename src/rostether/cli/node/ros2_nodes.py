@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Any
-
 from rostether.cli.access.graph_options import GraphOptions
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import ToolNode, asked
@@ -62,18 +59,25 @@ class Ros2Nodes:
         view = await asked(self._graph, ask)
         for name in full_names:
             if name not in view.nodes:
-                raise unknown_node(name, view.nodes)
+                hint = did_you_mean(name, view.nodes) or "`rostether node list` shows all nodes"
+                raise UnknownNameError(f"Unable to find node '{name}'; {hint}")
             _write_info(name, _sections(view, name, with_hidden=with_hidden), as_json=as_json)
 
 
-def _write_info(name: str, sections: dict[str, list[tuple[str, list[str]]]], *, as_json: bool) -> None:
+def _write_info(name: str, sections: dict[str, dict[str, list[str]]], *, as_json: bool) -> None:
     if as_json:
-        write_json({"node": name, **{_key(title): _records(found) for title, found in sections.items()}})
+        records = {
+            title.lower().replace(" ", "_"): [
+                {"name": each, "type": one_or_all(types)} for each, types in found.items()
+            ]
+            for title, found in sections.items()
+        }
+        write_json({"node": name, **records})
         return
     write_line(escape_line(name))
     for title, found in sections.items():
         write_line(f"  {title}:")
-        write_line("\n".join(escape_line(f"    {each}: {', '.join(types)}") for each, types in found))
+        write_line("\n".join(escape_line(f"    {each}: {', '.join(types)}") for each, types in found.items()))
 
 
 def full_node_name(name: str) -> str:
@@ -81,31 +85,16 @@ def full_node_name(name: str) -> str:
     return f"/{name.lstrip('/')}"
 
 
-def unknown_node(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a node that is not one of the known nodes."""
-    hint = did_you_mean(name, known) or "`rostether node list` shows all nodes"
-    return UnknownNameError(f"Unable to find node '{name}'; {hint}")
-
-
-def _sections(view: GraphView, node: str, *, with_hidden: bool) -> dict[str, list[tuple[str, list[str]]]]:
+def _sections(view: GraphView, node: str, *, with_hidden: bool) -> dict[str, dict[str, list[str]]]:
+    """Return the names of a node's endpoints with their types, by the title of their section."""
     found = {
-        title: [
-            (name, types) for name, types in view.of_node(kind, node) if with_hidden or not is_hidden(name)
-        ]
+        title: {name: types for name, types in view.of_node(kind, node) if with_hidden or not is_hidden(name)}
         for title, kind in _SECTIONS.items()
     }
-    return found | {title: list(_actions(view, kind, node)) for title, kind in _ACTION_SECTIONS.items()}
-
-
-def _actions(view: GraphView, kind: EndpointKind, node: str) -> Iterator[tuple[str, list[str]]]:
-    for name, types in view.of_node(kind, node):
-        if name.endswith(_ACTION_SERVICE):
-            yield name.removesuffix(_ACTION_SERVICE), [each.removesuffix("_SendGoal") for each in types]
-
-
-def _key(title: str) -> str:
-    return title.lower().replace(" ", "_")
-
-
-def _records(found: list[tuple[str, list[str]]]) -> list[dict[str, Any]]:
-    return [{"name": name, "type": one_or_all(types)} for name, types in found]
+    for title, kind in _ACTION_SECTIONS.items():
+        found[title] = {
+            name.removesuffix(_ACTION_SERVICE): [each.removesuffix("_SendGoal") for each in types]
+            for name, types in view.of_node(kind, node)
+            if name.endswith(_ACTION_SERVICE)
+        }
+    return found

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import re
 import time
-from collections.abc import Iterable
 from pathlib import Path
 
 from rostether.cli.access.graph_options import GraphOptions
@@ -151,14 +150,9 @@ async def _view_of(graph: GraphOptions, service: str) -> tuple[str, GraphView]:
 
     name, view = await asked(graph, ask)
     if not view.of(EndpointKind.SERVER, name):
-        raise unknown_service(name, view.services())
+        hint = did_you_mean(name, view.services()) or "`rostether service list` shows all services"
+        raise UnknownNameError(f"Unknown service '{name}': no node offers it; {hint}")
     return name, view
-
-
-def unknown_service(name: str, known: Iterable[str]) -> UnknownNameError:
-    """Return the error for a service that no node offers."""
-    hint = did_you_mean(name, known) or "`rostether service list` shows all services"
-    return UnknownNameError(f"Unknown service '{name}': no node offers it; {hint}")
 
 
 async def _wait_for_server(tool: ToolNode, service: str, options: CallOptions) -> GraphView:
