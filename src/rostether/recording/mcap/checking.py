@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from rostether.errors import RecordingError
 from rostether.recording.compression import Buffer
 from rostether.recording.mcap.content import McapContent
-from rostether.recording.mcap.data_check import DataCheck, record_name
+from rostether.recording.mcap.data_check import MAX_FAULTS, DataCheck, TooManyFaultsError, record_name
 from rostether.recording.mcap.reader import footer_of, has_damaged_summary
 from rostether.recording.mcap.records import (
     FOOTER_BYTES,
@@ -25,9 +25,6 @@ from rostether.recording.mcap.records import (
     read_record,
 )
 
-# A broken file can have one fault in each record; a longer report does not help.
-MAX_FAULTS = 50
-
 
 def faults_of(data: Buffer) -> list[str]:
     """Return the errors, one line each, in the order of the file."""
@@ -36,26 +33,12 @@ def faults_of(data: Buffer) -> list[str]:
         check.run()
     except RecordingError as error:
         check.report(str(error))
-    except _TooManyFaultsError:
+    except TooManyFaultsError:
         check.faults.append(f"more errors follow; only the first {MAX_FAULTS} are listed")
     return check.faults
 
 
-class _TooManyFaultsError(Exception):
-    """Ends a check that has reported enough faults."""
-
-
-class _Check:
-    def __init__(self, data: Buffer) -> None:
-        self.faults: list[str] = []
-        self._data = data
-        self._found = DataCheck(data, self.report)
-
-    def report(self, fault: str) -> None:
-        self.faults.append(fault)
-        if len(self.faults) >= MAX_FAULTS:
-            raise _TooManyFaultsError
-
+class _Check(DataCheck):
     def run(self) -> None:
         data = self._data
         if bytes(data[: len(MAGIC)]) != MAGIC:
@@ -64,9 +47,9 @@ class _Check:
         if op != Op.HEADER:
             raise RecordingError(f"there is a record ({record_name(op)}) instead of the header")
         check_header(data, start, position)
-        position = self._found.run(position)
-        if self._found.order.fault:
-            self.report(self._found.order.fault)
+        position = self.check_data(position)
+        if self.order.fault:
+            self.report(self.order.fault)
         summary, offsets, crc = footer_of(data)
         footer = len(data) - len(MAGIC) - FOOTER_BYTES
         if not summary:
@@ -102,10 +85,10 @@ class _Check:
                 statistics = decode_statistics(data, start, position)
             elif op == Op.CHUNK_INDEX:
                 self._check_chunk_index(decode_chunk_index(data, start, position))
-        for found in self._found.chunks.values():
+        for found in self.chunks.values():
             self.report(f"its summary does not list the chunk at byte {found.position}")
-        self._check_repeated("schema", repeated.schemas, self._found.defined.schemas)
-        self._check_repeated("channel", repeated.channels, self._found.defined.channels)
+        self._check_repeated("schema", repeated.schemas, self.defined.schemas)
+        self._check_repeated("channel", repeated.channels, self.defined.channels)
         if statistics is None:
             self.report("it has no statistics")
         else:
@@ -123,7 +106,7 @@ class _Check:
                 self.report(f"its summary does not list {kind} {number}")
 
     def _check_chunk_index(self, index: ChunkIndex) -> None:
-        found = self._found.chunks.pop(index.position, None)
+        found = self.chunks.pop(index.position, None)
         if found is None:
             self.report(
                 f"its summary lists a chunk at byte {index.position} that does not exist, or lists it twice"
@@ -146,14 +129,14 @@ class _Check:
             self.report(f"its summary describes the chunk at byte {index.position} wrongly")
 
     def _check_statistics(self, statistics: Statistics) -> None:
-        first, last = self._found.span_ns or (0, 0)
+        first, last = self.span_ns or (0, 0)
         rows = (
-            ("messages", statistics.message_count, sum(self._found.counts.values())),
-            ("schemas", statistics.schema_count, len(self._found.defined.schemas)),
-            ("channels", statistics.channel_count, len(self._found.defined.channels)),
-            ("attachments", statistics.attachment_count, self._found.kinds.get(Op.ATTACHMENT, 0)),
-            ("records of metadata", statistics.metadata_count, self._found.kinds.get(Op.METADATA, 0)),
-            ("chunks", statistics.chunk_count, self._found.kinds.get(Op.CHUNK, 0)),
+            ("messages", statistics.message_count, sum(self.counts.values())),
+            ("schemas", statistics.schema_count, len(self.defined.schemas)),
+            ("channels", statistics.channel_count, len(self.defined.channels)),
+            ("attachments", statistics.attachment_count, self.kinds[Op.ATTACHMENT]),
+            ("records of metadata", statistics.metadata_count, self.kinds[Op.METADATA]),
+            ("chunks", statistics.chunk_count, self.kinds[Op.CHUNK]),
             ("ns at the first message", statistics.start_ns, first),
             ("ns at the last message", statistics.end_ns, last),
         )
@@ -161,7 +144,7 @@ class _Check:
             if stated != there:
                 self.report(f"its statistics state {stated} {noun}, not {there}")
         counts = {number: count for number, count in statistics.counts.items() if count}
-        if counts and counts != self._found.counts:
+        if counts and counts != self.counts:
             self.report("its statistics have wrong message counts for channels")
 
     def _check_offsets(self, position: int, end: int, groups: dict[int, tuple[int, int]]) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import zlib
 from array import array
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Iterator
 
 from msgspec import Struct, field
 
@@ -24,6 +25,9 @@ from rostether.recording.mcap.records import (
 )
 from rostether.recording.time_order import TimeOrder
 
+# A broken file can have one fault in each record; a longer report does not help.
+MAX_FAULTS = 50
+
 
 class FoundChunk(Struct):
     """A chunk in the data section, and the message indexes that follow it.
@@ -40,21 +44,31 @@ class FoundChunk(Struct):
     indexes_end: int = 0
 
 
-class DataCheck:
-    """Reads the data section, passes errors to `report`, and collects what the summary must match."""
+class TooManyFaultsError(Exception):
+    """Ends a check that has reported enough faults."""
 
-    def __init__(self, data: Buffer, report: Callable[[str], None]) -> None:
+
+class DataCheck:
+    """Reads the data section, collects its errors in `faults`, and what the summary must match."""
+
+    def __init__(self, data: Buffer) -> None:
+        self.faults: list[str] = []
         self.defined = McapContent()
         self.counts: dict[int, int] = {}
         self.span_ns: tuple[int, int] | None = None
         self.order = TimeOrder()
-        self.kinds: dict[int, int] = {}
+        self.kinds: Counter[int] = Counter()
         self.chunks: dict[int, FoundChunk] = {}
         self._packed_bytes = 0
         self._data = data
-        self._report = report
 
-    def run(self, position: int) -> int:
+    def report(self, fault: str) -> None:
+        """Add an error. Raises TooManyFaultsError."""
+        self.faults.append(fault)
+        if len(self.faults) >= MAX_FAULTS:
+            raise TooManyFaultsError
+
+    def check_data(self, position: int) -> int:
         """Check up to the end of the data section; return the position after it. Raises RecordingError."""
         data = self._data
         last: FoundChunk | None = None
@@ -64,11 +78,11 @@ class DataCheck:
             if op != Op.MESSAGE_INDEX:
                 self._check_indexed(last)
                 last = None
-            self.kinds[op] = self.kinds.get(op, 0) + 1
+            self.kinds[op] += 1
             if op == Op.DATA_END:
                 crc = int.from_bytes(bytes(data[start:position]), "little")
                 if crc and zlib.crc32(data[:before]) != crc:
-                    self._report("the checksum (CRC) of its data is wrong")
+                    self.report("the checksum (CRC) of its data is wrong")
                 return position
             if op == Op.CHUNK:
                 last = self._check_chunk(before, start, position)
@@ -81,7 +95,7 @@ class DataCheck:
             elif op == Op.ATTACHMENT:
                 crc = int.from_bytes(bytes(data[max(position - 4, start) : position]), "little")
                 if crc and zlib.crc32(data[start : position - 4]) != crc:
-                    self._report(f"the checksum (CRC) of the attachment at byte {before} is wrong")
+                    self.report(f"the checksum (CRC) of the attachment at byte {before} is wrong")
             elif op != Op.METADATA and op < 0x80:
                 raise RecordingError(f"there is a record ({record_name(op)}) among the data at byte {before}")
 
@@ -97,10 +111,10 @@ class DataCheck:
         try:
             plain = unpack_chunk(memoryview(data)[chunk.data_start : chunk.data_end], chunk)
         except RecordingError as error:
-            self._report(f"{where}: {error}")
+            self.report(f"{where}: {error}")
             return found
         if chunk.crc and zlib.crc32(plain) != chunk.crc:
-            self._report(f"{where}: the checksum (CRC) of its records is wrong")
+            self.report(f"{where}: the checksum (CRC) of its records is wrong")
         first, last = 1 << 64, -1
         try:
             for op, record, begin, stop in _records(plain):
@@ -112,25 +126,25 @@ class DataCheck:
                     first, last = min(first, time_ns), max(last, time_ns)
                     found.message_offsets.setdefault(number, array("Q")).extend((time_ns, record))
                 elif op < 0x80:
-                    self._report(f"{where}: a record ({record_name(op)}) does not belong there")
+                    self.report(f"{where}: a record ({record_name(op)}) does not belong there")
         except RecordingError as error:
-            self._report(f"{where}: {error}")
+            self.report(f"{where}: {error}")
         if found.message_offsets and (first, last) != (chunk.start_ns, chunk.end_ns):
             stated = f"{chunk.start_ns} to {chunk.end_ns}"
-            self._report(f"{where}: its times are {first} to {last} ns, not {stated} as stated")
+            self.report(f"{where}: its times are {first} to {last} ns, not {stated} as stated")
         return found
 
     def _check_message_index(self, found: FoundChunk | None, position: int, start: int, end: int) -> None:
         number, entries = decode_message_index(self._data, start, end)
         if found is None:
-            self._report(f"the message index at byte {position} does not follow a chunk")
+            self.report(f"the message index at byte {position} does not follow a chunk")
             return
         found.indexes[number] = position
         found.indexes_end = end
         listed = array("Q", (value for entry in entries for value in entry))
         there = found.message_offsets.get(number, array("Q"))
         if listed != there and _pairs(listed) != _pairs(there):
-            self._report(
+            self.report(
                 f"the message index at byte {position} does not list the messages of channel {number} "
                 "in the chunk before it"
             )
@@ -138,7 +152,7 @@ class DataCheck:
     def _check_indexed(self, found: FoundChunk | None) -> None:
         if found is not None and found.indexes:
             for number in found.message_offsets.keys() - found.indexes.keys():
-                self._report(f"the chunk at byte {found.position}: channel {number} has no message index")
+                self.report(f"the chunk at byte {found.position}: channel {number} has no message index")
         if found is not None:
             found.message_offsets.clear()
 
@@ -146,22 +160,22 @@ class DataCheck:
         if op == Op.SCHEMA:
             schema = decode_schema(data, start, end)
             if not schema.number:
-                self._report("a schema has the invalid number 0")
+                self.report("a schema has the invalid number 0")
             if self.defined.schemas.get(schema.number, schema) != schema:
-                self._report(f"schema {schema.number} has two different definitions")
+                self.report(f"schema {schema.number} has two different definitions")
         else:
             channel = decode_channel(data, start, end)
             if self.defined.channels.get(channel.number, channel) != channel:
-                self._report(f"channel {channel.number} has two different definitions")
+                self.report(f"channel {channel.number} has two different definitions")
             if channel.schema and channel.schema not in self.defined.schemas:
-                self._report(f"channel {channel.number} uses schema {channel.schema}, which is not defined")
+                self.report(f"channel {channel.number} uses schema {channel.schema}, which is not defined")
         self.defined.define(op, data, start, end)
 
     def _count(self, number: int, time_ns: int) -> None:
         if number not in self.counts:
             self.counts[number] = 0
             if number not in self.defined.channels:
-                self._report(f"a message belongs to channel {number}, which is not defined")
+                self.report(f"a message belongs to channel {number}, which is not defined")
         self.counts[number] += 1
         self.order.add(time_ns)
         first_ns, last_ns = self.span_ns or (time_ns, time_ns)

@@ -11,7 +11,8 @@ from typing import Any
 import pytest
 from mcap.writer import CompressionType, IndexType, Writer
 
-from rostether.recording.mcap.checking import MAX_FAULTS, faults_of
+from rostether.recording.mcap.checking import faults_of
+from rostether.recording.mcap.data_check import MAX_FAULTS
 from rostether.recording.mcap.reader import McapReader
 from rostether.recording.mcap.records import MAGIC, Op, encode_record, read_record
 from rostether.recording.mcap.writer import McapWriter
