@@ -1,6 +1,6 @@
 """The built-in nodes of launch files and rosrun: maps (package, type) to a rostether command.
 
-`_NODES` has the words after `rostether`. The command accepts all arguments of ROS nodes: `__name:=`,
+`BUILTIN_NODES` has the words after `rostether`. The command accepts all arguments of ROS nodes: `__name:=`,
 `__ns:=`, `_parameter:=value`, `from:=to`. `_WINDOWS` has the programs with windows: a panel of the
 dashboard replaces a program that is not installed.
 """
@@ -16,7 +16,7 @@ from rostether.packages.executables import library_folders
 
 _SERIAL = ("serial-node",)
 
-_NODES: dict[tuple[str, str], tuple[str, ...]] = {
+BUILTIN_NODES: dict[tuple[str, str], tuple[str, ...]] = {
     ("rosserial_python", "serial_node.py"): _SERIAL,
     ("rosserial_python", "serial_node"): _SERIAL,
     ("rosserial_arduino", "serial_node.py"): _SERIAL,
@@ -110,11 +110,6 @@ _TERMINAL_VIEWS = {"rqt_graph": ("graph",), "rqt_plot": ("role", "rqt-plot")}
 # RViz's options with a value, and those that name the file of displays.
 _RVIZ_VALUES = {"-d", "--display-config", "-s", "--splash-screen", "--help-file", "-f", "--fixed-frame", "-t"}
 _RVIZ_FILE = {"-d", "--display-config"}
-
-
-def builtin_nodes() -> dict[tuple[str, str], list[str]]:
-    """Map (package, type) of the built-in nodes to whole command lines, without the node's arguments."""
-    return {node: own_command(*words) for node, words in _NODES.items()}
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:

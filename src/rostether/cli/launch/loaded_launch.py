@@ -11,7 +11,7 @@ from msgspec import Struct
 
 from rostether.cli.access.graph_options import ros_arguments
 from rostether.cli.dashboard.view import View, read_view
-from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, window_view
+from rostether.cli.launch.builtin_nodes import BUILTIN_NODES, replacement_line, window_view
 from rostether.cli.launch.pkg import packages_here
 from rostether.cli.launch.run import node_command
 from rostether.cli.shell.input import STDIN, read_bytes
@@ -87,7 +87,7 @@ def load(words: Sequence[str], *, runs_commands: bool) -> LoadedLaunch:
     context = LaunchContext(
         environ,
         packages,
-        builtin_packages={package for package, _ in builtin_nodes()},
+        builtin_packages={package for package, _ in BUILTIN_NODES},
         # Launch files run it for a parameter's value: `$(find xacro)/xacro`.
         programs={("xacro", "xacro"): own_command("xacro")},
         runs_commands=runs_commands,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from rostether.cli.launch.builtin_nodes import builtin_nodes
+from rostether.cli.launch.builtin_nodes import BUILTIN_NODES
 from rostether.cli.shell.completion import beginning
 from rostether.cli.shell.option_group import add_flag
 from rostether.cli.shell.output import json_option, warn, write_line, write_result
@@ -31,14 +31,14 @@ MAX_WARNINGS = 3
 
 def complete_package_folders(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the packages on disk or built in that begin with the typed text."""
-    built_in = {package for package, _ in builtin_nodes()}
+    built_in = {package for package, _ in BUILTIN_NODES}
     return beginning({*package_folders(os.environ, Path.cwd()), *built_in}, incomplete)
 
 
 def complete_programs(context: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Return the programs of the typed package that begin with the typed text."""
     package = context.params.get("package", "")
-    found = {program for owner, program in builtin_nodes() if owner == package}
+    found = {program for owner, program in BUILTIN_NODES if owner == package}
     if folder := package_folders(os.environ, Path.cwd()).get(package):
         found.update(each.name for each in programs(folder))
     return beginning(found, incomplete)
@@ -100,7 +100,7 @@ def folder_of(name: str) -> Path:
     """Return a package's folder. Raises ConfigError with similar names."""
     packages = packages_here()
     if name not in packages:
-        if any(owner == name for owner, _ in builtin_nodes()):
+        if any(owner == name for owner, _ in BUILTIN_NODES):
             raise ConfigError(f"package {name} is built in and has no folder; `rosrun {name}` runs its nodes")
         if name in bundled_packages():
             kind = "msg" if bundled_names(name, "msg") else "srv"

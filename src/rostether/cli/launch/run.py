@@ -14,11 +14,11 @@ from pathlib import Path
 import click
 
 from rostether.cli.dashboard.view import has_browser
-from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, view_command, window_program
+from rostether.cli.launch.builtin_nodes import BUILTIN_NODES, replacement_line, view_command, window_program
 from rostether.cli.launch.pkg import complete_package_folders, complete_programs, packages_here
 from rostether.cli.shell.option_group import add_flag, add_option
 from rostether.cli.shell.output import warn, write_line
-from rostether.cli.shell.own_command import replace_process
+from rostether.cli.shell.own_command import own_command, replace_process
 from rostether.cli.shell.verbs import verb
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import did_you_mean
@@ -70,7 +70,7 @@ def run(prefix: str, debug: bool, package: str, program: str, arguments: tuple[s
         warn(line)
         replace_process(view_command(package, arguments, in_terminal=in_terminal), os.environ)
     # Searching a home directory takes time, and built-in nodes are not in a folder.
-    is_built_in = (package, program) in builtin_nodes()
+    is_built_in = (package, program) in BUILTIN_NODES
     packages = {} if is_built_in else packages_here()
     found = node_command(package, program, packages=packages, environ=os.environ)
     words = [*shlex.split(prefix), *found, *arguments]
@@ -87,8 +87,8 @@ def node_command(
     Start it in the environment that `rospy.environment.script_environment` returns.
     Raises ConfigError with similar names if there is no such package or program.
     """
-    if built_in := builtin_nodes().get((package, program)):
-        return built_in
+    if words := BUILTIN_NODES.get((package, program)):
+        return own_command(*words)
     folder = packages.get(package)
     if folder is None:
         window = window_program(package, program, environ)
@@ -107,10 +107,10 @@ def node_command(
 
 def _explain_unknown_package(package: str, program: str, packages: Mapping[str, Path]) -> str:
     """Return the error about a package without a folder: its built-in programs, or similar names."""
-    built_in = sorted(each for owner, each in builtin_nodes() if owner == package)
+    built_in = sorted(each for owner, each in BUILTIN_NODES if owner == package)
     if built_in:
         return f"package {package} has no program {program}; the built-in ones are {', '.join(built_in)}"
-    known = {*packages, *(owner for owner, _ in builtin_nodes())}
+    known = {*packages, *(owner for owner, _ in BUILTIN_NODES)}
     if hint := did_you_mean(package, known):
         return f"no package {package}; {hint}"
     return (

@@ -16,22 +16,25 @@ role = verb_group(
             "Write the Arduino library, like make_libraries.py.",
         ),
         "rosserial-server-serial": (
-            "bridge.rosserial_server:serial",
+            "bridge.rosserial_hosts:serial",
             "Bridge one board, like rosserial_server's serial_node.",
         ),
         "rosserial-server-socket": (
-            "bridge.rosserial_server:socket",
+            "bridge.rosserial_hosts:socket",
             "Bridge boards over TCP, like rosserial_server's socket_node.",
         ),
         "rosserial-server-udp": (
-            "bridge.rosserial_server:udp",
+            "bridge.rosserial_hosts:udp",
             "Bridge a board over UDP, like rosserial_server's udp_socket_node.",
         ),
         "message-info-service": (
-            "bridge.rosserial_server:message_info",
+            "bridge.rosserial_hosts:message_info",
             "Offer the md5sums of types, like message_info_service.py.",
         ),
-        "xbee-network": ("xbee.network:xbee_network", "Bridge boards on XBee radios, like xbee_network.py."),
+        "xbee-network": (
+            "bridge.rosserial_hosts:xbee_network",
+            "Bridge boards on XBee radios, like xbee_network.py.",
+        ),
         "robot-state-publisher": ("role.robot:robot_state_publisher", "Turn joint states into transforms."),
         "joint-state-publisher": ("role.robot:joint_state_publisher", "Publish joint states."),
         "joint-state-publisher-gui": (

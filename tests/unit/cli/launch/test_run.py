@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from programs import ROSTETHER, read_until, running
-from rostether.cli.launch.builtin_nodes import builtin_nodes, replacement_line, view_command
+from rostether.cli.launch.builtin_nodes import BUILTIN_NODES, replacement_line, view_command
 from rostether.cli.launch.run import PYTHON_VARIABLE, node_command, python_for
 from rostether.cli.launch.shims import SHIM_MARK
 from rostether.errors import ConfigError
@@ -103,9 +103,9 @@ def test_established_nodes_run_as_roles(arm: Path) -> None:
     )
 
 
-@pytest.mark.parametrize("node", sorted(builtin_nodes()))
+@pytest.mark.parametrize("node", sorted(BUILTIN_NODES))
 def test_every_served_node_is_a_command_of_rostether(node: tuple[str, str], shell: Shell) -> None:
-    words = builtin_nodes()[node][4:]
+    words = BUILTIN_NODES[node]
     assert shell.output(*words, "--help").startswith(f"Usage: rostether {' '.join(words)}")
 
 

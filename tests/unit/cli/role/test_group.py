@@ -14,7 +14,7 @@ import pytest_asyncio
 from interop.ros1_peers import free_port
 from programs import started
 from rostether import Device
-from rostether.cli.bridge.rosserial_server import _serial_link, _socket_link, _udp_link
+from rostether.cli.bridge.rosserial_hosts import _serial_link, _socket_link, _udp_link
 from rostether.cli.bridge.serial_node import name_options
 from rostether.graph.typed_graph import TypedGraph
 from rostether.joining import join

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.cli.xbee.network import network_link
+from rostether.cli.bridge.rosserial_hosts import network_link
 from rostether.errors import ConfigError
 from unit.cli.command_shell import Shell
 

@@ -1,8 +1,9 @@
-"""The nodes of rosserial_server as roles: their names and parameters, with rostether's bridge.
+"""The nodes of rosserial_server and rosserial_xbee as roles, with their names and parameters.
 
 serial_node             ~port /dev/ttyACM0, ~baud 57600
 socket_node             ~port 11411, ~listen
 udp_socket_node         ~server_port 11411, ~listen; the boards' addresses are learned, not set by ~client_*
+xbee_network.py         PORT ID...
 message_info_service    no parameters; for other programs, as rostether's bridge does not need it
 
 ~listen is an addition: the address to listen on, for boards on the network.
@@ -12,9 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import click
+
 from rostether.cli.bridge.serial_node import HostRole, read_whole_number, run_host
 from rostether.cli.role.node import RoleVerb, node_arguments, node_words, role
 from rostether.cli.shell.verbs import verb
+from rostether.errors import ConfigError
 from rostether.graph.typed_graph import TypedGraph
 from rostether.names.remap import Arguments
 from rostether.transports.address import DEFAULT_PORT
@@ -75,3 +79,31 @@ def _socket_link(rest: list[str], parameters: Mapping[str, object], options: str
 def _udp_link(rest: list[str], parameters: Mapping[str, object], options: str) -> str:
     port = read_whole_number(parameters.get("server_port", DEFAULT_PORT), "server_port")
     return f"udp://{parameters.get('listen', '')}:{port}?{options}"
+
+
+@verb(
+    "xbee-network",
+    """
+    rostether role xbee-network /dev/ttyUSB0 1 2 3
+    rostether role xbee-network /dev/ttyUSB0 1 __name:=greenhouse
+    """,
+    cls=RoleVerb,
+)
+@click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="PORT ID... [NAME:=VALUE]...")
+async def xbee_network(arguments: tuple[str, ...]) -> None:
+    """Bridge the boards whose XBee radios have the addresses ID, over the radio on PORT.
+
+    Each board is a node: xbee_network, xbee_network_2 and so on.
+    """
+    host = HostRole("xbee_network", "RosSerial Xbee Network", (), network_link)
+    await run_host(host, node_arguments(arguments))
+
+
+def network_link(rest: list[str], parameters: Mapping[str, object], options: str) -> str:
+    """Return the link address from the arguments. Raises ConfigError."""
+    if len(rest) < 2:
+        raise ConfigError(
+            "give the port of the XBee radio and the address of each board, for example /dev/ttyUSB0 1 2"
+        )
+    port, *ids = rest
+    return f"xbee:{port}?peers={','.join(ids)}&{options}"
