@@ -39,7 +39,7 @@ from rostether.graph.ports import (
     Snapshot,
     SubscribeOptions,
 )
-from rostether.graph.snapshots import follow_changes, follow_each, merge_snapshots
+from rostether.graph.snapshots import ChangeSignal, follow_changes, follow_each, merge_snapshots
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.rostime import Time
@@ -64,7 +64,7 @@ class JointGraph(NodeMembership):
         self._joint_nodes = joint_nodes
         self._relays = relays
         self._handles: list[JointHandle[Any]] = []
-        self._joined = asyncio.Event()
+        self._joined = ChangeSignal()
         self._watching = {asyncio.ensure_future(self._watch_closed(graph)) for graph in self._graphs}
         self._background: set[asyncio.Task[None]] = set()
 
@@ -76,7 +76,7 @@ class JointGraph(NodeMembership):
         """Join another graph, of rank `position`, with all publishers, subscribers, services and watches."""
         self._graphs.insert(position, graph)
         self._watching.add(asyncio.ensure_future(self._watch_closed(graph)))
-        self._joined.set()
+        self._joined.notify()
         await asyncio.gather(*(handle.add(graph) for handle in self._open_handles()))
 
     def resolve(self, name: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterable, Sequence
-from contextlib import aclosing
+from contextlib import aclosing, asynccontextmanager
 
 from rostether.errors import GraphError
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot, TopicEntry
@@ -50,14 +50,23 @@ class ChangeSignal:
         for event in self._events:
             event.set()
 
-    async def follow(self, take: Callable[[], Snapshot], closed: asyncio.Event) -> AsyncIterator[Snapshot]:
-        """Yield a snapshot from `take` now and one after each change, until `closed` is set."""
+    @asynccontextmanager
+    async def wakeup(self, closed: asyncio.Event) -> AsyncIterator[asyncio.Event]:
+        """Yield an event that is set after each change, and when `closed` is set."""
         event = asyncio.Event()
         self._events.add(event)
         waiting = asyncio.ensure_future(closed.wait())
         waiting.add_done_callback(lambda _: event.set())
         try:
-            latest = None
+            yield event
+        finally:
+            waiting.cancel()
+            self._events.discard(event)
+
+    async def follow(self, take: Callable[[], Snapshot], closed: asyncio.Event) -> AsyncIterator[Snapshot]:
+        """Yield a snapshot from `take` now and one after each change, until `closed` is set."""
+        latest = None
+        async with self.wakeup(closed) as event:
             while not closed.is_set():
                 event.clear()
                 snapshot = take()
@@ -66,9 +75,6 @@ class ChangeSignal:
                     yield snapshot
                 else:
                     await event.wait()
-        finally:
-            waiting.cancel()
-            self._events.discard(event)
 
 
 async def poll_snapshots(
@@ -108,7 +114,7 @@ def merge_snapshots(snapshots: Iterable[Snapshot]) -> Snapshot:
 
 
 async def follow_changes(
-    graphs: Callable[[], Sequence[Graph]], joined: asyncio.Event, closed: asyncio.Event
+    graphs: Callable[[], Sequence[Graph]], joined: ChangeSignal, closed: asyncio.Event
 ) -> AsyncGenerator[Snapshot]:
     """Yield a merged snapshot now and after each change, as `follow_each` does."""
     reported: Snapshot | None = None
@@ -121,44 +127,32 @@ async def follow_changes(
 
 
 async def follow_each(
-    graphs: Callable[[], Sequence[Graph]], joined: asyncio.Event, closed: asyncio.Event
+    graphs: Callable[[], Sequence[Graph]], joined: ChangeSignal, closed: asyncio.Event
 ) -> AsyncGenerator[list[Snapshot]]:
     """Yield a snapshot of each graph now and after each change, until all have ended or `closed` is set.
 
-    `joined` is set when another graph joins.
+    `joined` reports that another graph has joined.
     """
     latest: dict[Graph, Snapshot] = {}
-    wakeup = asyncio.Event()
     tasks: dict[Graph, asyncio.Task[None]] = {}
-    watching = [asyncio.ensure_future(_forward(joined, wakeup)), asyncio.ensure_future(_note(closed, wakeup))]
     reported: list[Snapshot] = []
-    try:
-        while True:
-            for graph in graphs():
-                if graph not in tasks:
-                    tasks[graph] = asyncio.ensure_future(_follow(graph, latest, wakeup))
-            snapshots = [latest[graph] for graph in graphs() if graph in latest]
-            if snapshots and snapshots != reported:
-                reported = snapshots
-                yield snapshots
-                continue
-            if closed.is_set() or all(task.done() for task in tasks.values()):
-                return
-            await wakeup.wait()
-            wakeup.clear()
-    finally:
-        await cancel_all(*watching, *tasks.values())
-
-
-async def _forward(event: asyncio.Event, wakeup: asyncio.Event) -> None:
-    while await event.wait():
-        wakeup.set()
-        event.clear()
-
-
-async def _note(event: asyncio.Event, wakeup: asyncio.Event) -> None:
-    await event.wait()
-    wakeup.set()
+    async with joined.wakeup(closed) as wakeup:
+        try:
+            while True:
+                for graph in graphs():
+                    if graph not in tasks:
+                        tasks[graph] = asyncio.ensure_future(_follow(graph, latest, wakeup))
+                snapshots = [latest[graph] for graph in graphs() if graph in latest]
+                if snapshots and snapshots != reported:
+                    reported = snapshots
+                    yield snapshots
+                    continue
+                if closed.is_set() or all(task.done() for task in tasks.values()):
+                    return
+                await wakeup.wait()
+                wakeup.clear()
+        finally:
+            await cancel_all(*tasks.values())
 
 
 async def _follow(graph: Graph, latest: dict[Graph, Snapshot], wakeup: asyncio.Event) -> None:
