@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import groupby
 
 from msgspec import Struct
 
@@ -152,15 +152,9 @@ def _draw_times(scene: Scene, frame: _Frame, labels: Labels) -> None:
 
 def pieces(points: Sequence[Point]) -> Iterator[list[Point]]:
     """Yield the parts of a curve between its gaps."""
-    piece: list[Point] = []
-    for point in points:
-        if math.isfinite(point[1]):
-            piece.append(point)
-        elif piece:
-            yield piece
-            piece = []
-    if piece:
-        yield piece
+    for is_finite, piece in groupby(points, key=lambda point: math.isfinite(point[1])):
+        if is_finite:
+            yield list(piece)
 
 
 def _draw_piece(scene: Scene, points: list[Point], color: Color) -> None:
@@ -175,14 +169,9 @@ def _thinned(points: list[Point]) -> list[Point]:
     """Return at most four points per pixel column (first, lowest, highest, last), which look the same."""
     if len(points) < 3:
         return points
-    columns: list[list[Point]] = [[points[0]]]
-    for before, point in pairwise(points):
-        if int(before[0]) == int(point[0]):
-            columns[-1].append(point)
-        else:
-            columns.append([point])
     kept: list[Point] = []
-    for column in columns:
+    for _, run in groupby(points, key=lambda point: int(point[0])):
+        column = list(run)
         indexes = {0, len(column) - 1}
         indexes.add(min(range(len(column)), key=lambda index: column[index][1]))
         indexes.add(max(range(len(column)), key=lambda index: column[index][1]))
