@@ -6,6 +6,7 @@ An edge never connects two vertices of one column. Edges to a column on the left
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from graphlib import TopologicalSorter
 from itertools import count
 from typing import Final, TypeAlias
 
@@ -107,16 +108,14 @@ def _without_cycles(keys: Sequence[str], edges: Sequence[Ends]) -> list[Ends]:
 
 def _longest_paths(keys: Sequence[str], edges: Sequence[Ends]) -> dict[str, int]:
     """Return each vertex's column: after all its predecessors; without any, just before its first target."""
-    following, waiting = _adjacency(keys, edges)
-    sources = [key for key in keys if not waiting[key]]
-    ready, column = list(sources), dict.fromkeys(keys, 0)
-    for key in ready:
+    following, entered = _adjacency(keys, edges)
+    column, sorter = dict.fromkeys(keys, 0), TopologicalSorter[str]()
+    for source, target in edges:
+        sorter.add(target, source)
+    for key in sorter.static_order():
         for target in following[key]:
             column[target] = max(column[target], column[key] + 1)
-            waiting[target] -= 1
-            if not waiting[target]:
-                ready.append(target)
-    for key in sources:
-        if following[key]:
-            column[key] = min(column[target] for target in following[key]) - 1
+    for key, targets in following.items():
+        if targets and not entered[key]:
+            column[key] = min(column[target] for target in targets) - 1
     return column
