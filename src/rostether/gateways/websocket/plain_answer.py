@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncGenerator, Callable
-from contextlib import aclosing
+from collections.abc import Callable
+from contextlib import nullcontext
 from http import HTTPStatus
 
 from websockets.datastructures import Headers
@@ -73,15 +73,20 @@ class PlainAnswer:
             self._download.cancel()
 
     async def _send_download(self, site: Site, path: str) -> None:
+        response, file = await asyncio.to_thread(site.open_download, path)
         # A canceled download closes its file.
-        async with aclosing(_download_chunks(site, path)) as chunks:
-            async for chunk in chunks:
-                self._transport.write(chunk)
-                # A client that reads nothing for this time has disconnected.
-                self._set_limit(_FILE_S)
-                await self._has_room.wait()
+        with file or nullcontext():
+            await self._send_chunk(response.serialize())
+            while file is not None and (chunk := await asyncio.to_thread(file.read, _CHUNK_BYTES)):
+                await self._send_chunk(chunk)
         # The transport sends written data first.
         self._transport.close()
+
+    async def _send_chunk(self, chunk: bytes) -> None:
+        self._transport.write(chunk)
+        # A client that reads nothing for this time has disconnected.
+        self._set_limit(_FILE_S)
+        await self._has_room.wait()
 
 
 def asks_for_websocket(request: Request) -> bool:
@@ -108,15 +113,3 @@ def end_sending(transport: asyncio.Transport) -> None:
         transport.write_eof()
     else:
         transport.close()
-
-
-async def _download_chunks(site: Site, path: str) -> AsyncGenerator[bytes, None]:
-    """Yield the response to the request of a download: its header, then its file in chunks."""
-    response, file = await asyncio.to_thread(site.open_download, path)
-    if file is None:
-        yield response.serialize()
-        return
-    with file:
-        yield response.serialize()
-        while chunk := await asyncio.to_thread(file.read, _CHUNK_BYTES):
-            yield chunk
