@@ -9,7 +9,7 @@ import asyncio
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from contextlib import asynccontextmanager, nullcontext
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import read_failure
@@ -71,20 +71,15 @@ class Assets:
             )
 
     def _locate(self, uri: str) -> Path:
-        try:
-            parts = urlsplit(uri)
-        except ValueError:
-            raise ConfigError(
-                f"{uri[:200]!r} is not the address of a file; write package://NAME/PATH"
-            ) from None
         # Text after ? and # belongs to the name of a file.
-        rest = unquote(uri.partition("://")[2])
+        scheme, _, rest = uri.partition("://")
+        rest = unquote(rest)
         if "\0" in rest:
             raise ConfigError("the address of a file cannot contain a zero byte; write package://NAME/PATH")
-        if parts.scheme == "package":
+        if scheme.lower() == "package":
             name, _, below = rest.partition("/")
             return self._in_package(uri, name, below)
-        if parts.scheme == "file":
+        if scheme.lower() == "file":
             return self._in_any_package(uri, rest)
         raise ConfigError(
             f"{uri[:200]} is not served; use a package:// or file:// address of a known package (clients "
