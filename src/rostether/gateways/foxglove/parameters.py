@@ -68,17 +68,15 @@ class Parameters:
             try:
                 self._check(each.name)
                 before = await self._value(each.name)
-                if each.value is None:
-                    if before is not None:
-                        await self._graph.delete_param(each.name)
-                    now.append(describe(each.name, None))
-                    continue
-                value = given_value(each, before)
-                await self._graph.set_param(each.name, value)
-                now.append(describe(each.name, value))
+                value = None if each.value is None else given_value(each, before)
+                if value is not None:
+                    await self._graph.set_param(each.name, value)
+                elif before is not None:
+                    await self._graph.delete_param(each.name)
             except RostetherError as error:
                 errors.append(f"parameter {each.name[:80]} is not set: {error}")
-                now.append(describe(each.name, before))
+                value = before
+            now.append(describe(each.name, value))
         return now, errors
 
     async def names(self) -> list[str]:
