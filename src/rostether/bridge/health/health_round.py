@@ -13,8 +13,7 @@ from weakref import WeakKeyDictionary
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board
 from rostether.bridge.health.board_status import TOPIC, TYPE
-from rostether.bridge.health.diagnostics import view_board
-from rostether.bridge.health.diagnostics_message import StatusWriter
+from rostether.bridge.health.diagnostics import StatusWriter, view_board
 from rostether.bridge.health.shared_topics import SharedTopics
 from rostether.bridge.reporter import Reporter, reason_of
 from rostether.errors import GraphError
