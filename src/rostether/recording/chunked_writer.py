@@ -15,6 +15,7 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
 from rostether.recording.compression import check_compression, compress
+from rostether.recording.regular_file import writing
 
 # The size that rosbag uses: it compresses well, and one message is still quick to read.
 DEFAULT_CHUNK_BYTES = 768 * 1024
@@ -160,10 +161,8 @@ class OutputFile:
         self.path = path
         self.position = 0
         flags = os.O_RDWR | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0)
-        try:
+        with writing(path):
             self._file: int | None = os.open(path, flags, 0o666)
-        except OSError as error:
-            raise RecordingError(write_failure(path, error)) from None
 
     def append(self, data: bytes) -> None:
         """Write a complete part, or restore the file and raise RecordingError."""
@@ -177,12 +176,10 @@ class OutputFile:
     def replace(self, position: int, data: bytes) -> None:
         """Overwrite existing bytes. Raises RecordingError."""
         assert self._file is not None
-        try:
+        with writing(self.path):
             os.lseek(self._file, position, os.SEEK_SET)
             self._write(data)
             os.lseek(self._file, self.position, os.SEEK_SET)
-        except OSError as error:
-            raise RecordingError(write_failure(self.path, error)) from None
 
     def close(self) -> None:
         """Close the file. Idempotent."""

@@ -14,6 +14,7 @@ from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
 from rostether.mechanisms.whole_file import write_whole
 from rostether.recording.export.columns import Column
+from rostether.recording.regular_file import writing
 from rostether.rostime import NS_PER_S, Duration, Time
 from rostether.serde.plain_form import clean_text
 from rostether.serde.type_tree import Array, Number, Struct, Text
@@ -50,12 +51,10 @@ class CsvTable:
     def __init__(self, target: Path | TextIO, columns: Sequence[Column]) -> None:
         self._name = str(target) if isinstance(target, Path) else "the output"
         self._owns_file = isinstance(target, Path)
-        try:
+        with writing(target):
             self._file: TextIO = (
                 target.open("w", encoding="utf-8", newline="") if isinstance(target, Path) else target
             )
-        except OSError as error:
-            raise RecordingError(write_failure(target, error)) from None
         self._cells = [_cell_of(column) for column in columns]
         self._writer = csv.writer(self._file, lineterminator="\n")
         self._write((*TIME_COLUMNS, *(column.name for column in columns)))
@@ -97,10 +96,8 @@ class PictureTable:
         self._folder = folder
         self._last = ("", "")
         self._same_count = 0
-        try:
+        with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise RecordingError(write_failure(folder, error)) from None
 
     def add(self, time_ns: int, message: Message) -> None:
         """Write a picture. Raises RecordingError."""
@@ -112,10 +109,8 @@ class PictureTable:
         self._last = (stem, extension)
         number = f"-{self._same_count}" if self._same_count > 1 else ""
         path = self._folder / f"{stem}{number}.{extension}"
-        try:
+        with writing(path):
             write_whole(path, message.data)
-        except OSError as error:
-            raise RecordingError(write_failure(path, error)) from None
 
     def flush(self) -> None:
         """Do nothing: each picture is written immediately."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from rostether.errors import RecordingError
-from rostether.mechanisms.text import write_failure
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
 from rostether.recording.recorded import RecordingWriter
+from rostether.recording.regular_file import writing
 from rostether.recording.ros2.channels import UnfitMessages, distro_of
 from rostether.recording.ros2.metadata import FileFacts, describe, write_metadata
 from rostether.ros2.types.type_support import Ros2Types
@@ -40,12 +40,10 @@ class Ros2Bag:
         self._types = types
         self._unfit = unfit
         self._files: list[FileFacts] = []
-        try:
+        with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
             if any(folder.iterdir()):
                 raise RecordingError(f"{folder} is not empty; a ROS 2 bag needs a new folder")
-        except OSError as error:
-            raise RecordingError(write_failure(folder, error)) from None
 
     def path_of(self, number: int) -> Path:
         """Return the path of the file with a number, as rosbag2 names it."""

@@ -13,7 +13,7 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
 from rostether.recording.recorded import Connection
-from rostether.recording.regular_file import remove_database, sqlite_logs
+from rostether.recording.regular_file import remove_database, sqlite_logs, writing
 from rostether.recording.ros2.channels import Ros2Channel, Ros2Channels, UnfitMessages, distro_of
 from rostether.recording.ros2.metadata import FileFacts
 from rostether.ros2.types.type_support import Ros2Types
@@ -69,12 +69,10 @@ class Db3Writer:
         self._definitions: set[tuple[str, str]] = set()
         self._is_closed = False
         # An existing file is overwritten like other recordings, but not replaced: it may be locked.
-        try:
+        with writing(path):
             path.write_bytes(b"")
             for log in sqlite_logs(path):
                 log.unlink(missing_ok=True)
-        except OSError as error:
-            raise RecordingError(write_failure(path, error)) from None
         try:
             self._database = sqlite3.connect(path, isolation_level=None, timeout=_LOCK_WAIT_S)
             self._prepare(distro_of(types))
@@ -153,9 +151,8 @@ class Db3Writer:
             return
         try:
             self.flush()
-            self._merge_log()
-        except sqlite3.Error as error:
-            raise RecordingError(write_failure(self._path, error)) from None
+            with writing(self._path, sqlite3.Error):
+                self._merge_log()
         finally:
             self._is_closed = True
             self._database.close()
@@ -172,7 +169,7 @@ class Db3Writer:
 
     def _add_topic(self, channel: Ros2Channel) -> None:
         origin = channel.origin
-        try:
+        with writing(self._path, sqlite3.Error):
             self._database.execute(
                 "INSERT INTO topics VALUES (?, ?, ?, 'cdr', ?, ?)",
                 (channel.number, channel.topic, origin.type_name, origin.qos, origin.type_hash),
@@ -185,5 +182,3 @@ class Db3Writer:
                     " VALUES (?, ?, ?, ?)",
                     (origin.type_name, origin.encoding, origin.definition, origin.type_hash),
                 )
-        except sqlite3.Error as error:
-            raise RecordingError(write_failure(self._path, error)) from None

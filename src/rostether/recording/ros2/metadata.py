@@ -14,10 +14,10 @@ from msgspec import Struct
 
 from rostether.bounded_yaml import load
 from rostether.errors import RecordingError
-from rostether.mechanisms.text import first_line, read_failure, write_failure
+from rostether.mechanisms.text import first_line, read_failure
 from rostether.mechanisms.whole_file import write_whole
 from rostether.recording.recorded import Ros2Origin
-from rostether.recording.regular_file import require_regular_file
+from rostether.recording.regular_file import require_regular_file, writing
 from rostether.recording.ros2_qos import read_profiles
 
 FILE_NAME = "metadata.yaml"
@@ -111,10 +111,8 @@ def describe(files: Sequence[FileFacts], storage: str, distro: str) -> dict[str,
 def write_metadata(folder: Path, content: Mapping[str, Any]) -> None:
     """Write metadata.yaml atomically. Raises RecordingError."""
     path = folder / FILE_NAME
-    try:
+    with writing(path):
         write_whole(path, yaml.safe_dump({_KEY: dict(content)}, sort_keys=False).encode())
-    except OSError as error:
-        raise RecordingError(write_failure(path, error)) from None
 
 
 def read_metadata(folder: Path) -> Metadata:
