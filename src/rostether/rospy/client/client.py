@@ -130,15 +130,15 @@ def _publish_logs() -> None:
     log_class: Any = all_types().message_class("rosgraph_msgs/Log")
     publisher = Publisher(ROSOUT, log_class, latch=True, queue_size=100)
 
-    def publish(record: logging.LogRecord, stamp: Time) -> None:
+    def publish(record: logging.LogRecord) -> None:
         # Lines of forked workers are only printed: a fork has no node.
         if node.loop.is_lost:
             return
         message = log_class(**logs.log_fields(record, topics.names()))
-        message.header.stamp = stamp
+        message.header.stamp = Time.now()
         publisher.publish(message)
 
-    logs.publish_logs(logs.RosoutHandler(publish, Time.now))
+    logs.publish_logs(publish)
 
 
 def _get_loggers(request: Message) -> Any:

@@ -71,10 +71,9 @@ class TerminalHandler(logging.Handler):
 class RosoutHandler(logging.Handler):
     """Publishes records on /rosout."""
 
-    def __init__(self, publish: Callable[..., None], now: Callable[[], Any]) -> None:
+    def __init__(self, publish: Callable[[logging.LogRecord], None]) -> None:
         super().__init__()
         self._publish = publish
-        self._now = now
         self._inside = threading.local()
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -83,7 +82,7 @@ class RosoutHandler(logging.Handler):
             return
         self._inside.flag = True
         try:
-            self._publish(record, self._now())
+            self._publish(record)
         except Exception:  # noqa: BLE001 - a log line that cannot be published must not end the program
             self.handleError(record)
         finally:
@@ -110,9 +109,9 @@ def configure(simulated_time: Callable[[], float | None], log_level: int | None)
     _rosout_logger.setLevel(logging.INFO if log_level is None else Level(log_level).number_in_tens)
 
 
-def publish_logs(handler: RosoutHandler) -> None:
+def publish_logs(publish: Callable[[logging.LogRecord], None]) -> None:
     """Start to publish logs on /rosout."""
-    _rosout_logger.addHandler(handler)
+    _rosout_logger.addHandler(RosoutHandler(publish))
 
 
 def log_fields(record: logging.LogRecord, topics: list[str]) -> dict[str, Any]:
