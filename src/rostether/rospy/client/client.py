@@ -20,7 +20,7 @@ from rostether.rospy.client.names import is_remap_argument, names
 from rostether.rospy.client.node import node
 from rostether.rospy.client.parameters import set_param
 from rostether.rospy.client.publisher import Publisher
-from rostether.rospy.client.ros_time import Time, simulated_time_s
+from rostether.rospy.client.ros_time import Time
 from rostether.rospy.client.services import Service
 from rostether.rospy.client.shutdown import is_shutdown, shutdown
 from rostether.rospy.client.stamps import in_seconds
@@ -70,7 +70,7 @@ def init_node(  # noqa: PLR0913 - as rospy.init_node
     if anonymous:
         name = f"{name}_{os.getpid()}_{int(time.time() * 1000)}"
     full_name = names.set_node_name(name)
-    logs.configure(simulated_time_s, log_level)
+    logs.configure(log_level)
     try:
         node.join(full_name)
     except ROSInterruptException:

@@ -13,6 +13,7 @@ from typing import Any, TextIO
 from rostether.graph.log_message import ROSOUT
 from rostether.graph.ports import Level
 from rostether.rospy.client.names import get_name, names
+from rostether.rospy.client.ros_time import Duration, Time, simulated_time_s
 
 DEBUG, INFO, WARN, ERROR, FATAL = map(int, Level)
 
@@ -35,18 +36,14 @@ _logged_once: set[Any] = set()
 class TerminalHandler(logging.Handler):
     """Prints like rospy: information on standard output, warnings and errors on standard error.
 
-    ROSCONSOLE_FORMAT changes the format. `simulated_time` returns simulated time in seconds, or None.
+    ROSCONSOLE_FORMAT changes the format.
     """
-
-    def __init__(self, simulated_time: Callable[[], float | None]) -> None:
-        super().__init__()
-        self._simulated_time = simulated_time
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one record."""
         level = LEVELS.get(record.levelno, Level.INFO)
         wall = f"{time.time():f}"
-        ros_time = self._simulated_time()
+        ros_time = simulated_time_s()
         values = {
             "severity": level.name,
             "message": logging.Formatter().format(record),
@@ -89,12 +86,12 @@ class RosoutHandler(logging.Handler):
             self._inside.flag = False
 
 
-def configure(simulated_time: Callable[[], float | None], log_level: int | None) -> None:
+def configure(log_level: int | None) -> None:
     """Start to print, and to write the file of `__log:=`. Idempotent."""
     if not any(isinstance(handler, TerminalHandler) for handler in _rosout_logger.handlers):
-        _rosout_logger.addHandler(TerminalHandler(simulated_time))
+        _rosout_logger.addHandler(TerminalHandler())
         # Problems of the node's connections, such as a topic that has another type.
-        handler: logging.Handler = TerminalHandler(simulated_time)
+        handler: logging.Handler = TerminalHandler()
         handler.setLevel(logging.WARNING)
         logging.getLogger("rostether").addHandler(handler)
         if file := names.mappings.get("__log"):
@@ -158,8 +155,6 @@ def _statement() -> tuple[str, int, int]:
 
 
 def _is_due(statement: Any, period: float) -> bool:
-    from rostether.rospy.client.ros_time import Duration, Time
-
     now = Time.now()
     last = _last_logged.get(statement)
     if last is None or now - last > Duration(period) or last > now:

@@ -15,7 +15,6 @@ from rostether.rospy.client.exceptions import ROSInterruptException
 from rostether.rospy.client.logs import TerminalHandler
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.node import node, require_running
-from rostether.rospy.client.ros_time import simulated_time_s
 from rostether.rospy.client.shutdown import is_shutdown_requested, shutdown
 from rostether.serde.store import TypeStore
 from rostether.transports.address import DEFAULT_BAUD, DEFAULT_PORT, Address, SerialAddress, TcpAddress
@@ -72,7 +71,7 @@ class _Terminal:
     """Prints the bridge's lines as rospy prints log lines; the board's node publishes them on /rosout."""
 
     def __init__(self) -> None:
-        self._handler = TerminalHandler(simulated_time_s)
+        self._handler = TerminalHandler()
 
     def report(self, level: Level, text: str, *, node: str = "") -> None:
         """Print a line."""
