@@ -97,6 +97,6 @@ async def _ask_ros1(graph: GraphOptions) -> Snapshot:
 
 async def _ask_ros2(graph: GraphOptions) -> Snapshot:
     from rostether.cli.access.ros2_tool_node import asked
-    from rostether.ros2.graph_view import as_snapshot
+    from rostether.ros2.endpoint_info import as_snapshot
 
     return as_snapshot(await asked(graph, lambda tool: tool.settled_snapshot()))
