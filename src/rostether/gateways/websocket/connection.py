@@ -29,8 +29,8 @@ from rostether.gateways.websocket.plain_answer import (
     http_method,
     request_method,
 )
-from rostether.gateways.websocket.refusals import peer_name
 from rostether.gateways.websocket.tls_start import encrypted
+from rostether.mechanisms.text import show_endpoint
 from rostether.transports.read_turn import ReadTurn
 from rostether.transports.sockets import limit_unsent, read_buffer
 
@@ -77,7 +77,7 @@ class ConnectionServer(Protocol):
     site: Site | None
     encryption: ListenerTls | None
 
-    def admit(self, connection: Connection, transport: asyncio.Transport) -> bool:
+    def admit(self, connection: Connection) -> bool:
         """Return whether a connection may stay, and count it."""
 
     def forget(self, connection: Connection) -> None:
@@ -157,7 +157,8 @@ class Connection(asyncio.BufferedProtocol):
     @property
     def peer(self) -> str:
         """The client's address as text."""
-        return peer_name(self._transport) if self._transport is not None else "a client"
+        address = self._transport.get_extra_info("peername") if self._transport is not None else None
+        return show_endpoint(*address[:2]) if address else "a client"
 
     @property
     def fault(self) -> str:
@@ -178,7 +179,7 @@ class Connection(asyncio.BufferedProtocol):
         # Messages for a slow client wait in the queues of the `ConnectionUser`, which can drop them.
         transport.set_write_buffer_limits(high=self._limits.unsent_bytes)
         limit_unsent(transport, self._limits.unsent_bytes)
-        if not self._server.admit(self, transport):
+        if not self._server.admit(self):
             self.abort()
             return
         self._set_timer(self._limits.handshake_s, self.abort)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 
-from rostether.mechanisms.text import fold_line, show_endpoint
+from rostether.mechanisms.text import fold_line
 
 # A page that may not connect retries every second; one log line in this time is enough.
 QUIET_S = 10.0
@@ -23,8 +23,8 @@ class Refusals:
         self._reported_until_s = 0.0
         self._omitted_count = 0
 
-    def report(self, transport: asyncio.BaseTransport, reason: str) -> None:
-        """Report a refused connection, unless the rate limit of reports is reached."""
+    def report(self, peer: str, reason: str) -> None:
+        """Report a refused connection by its address, unless the rate limit of reports is reached."""
         now_s = asyncio.get_running_loop().time()
         if now_s >= self._reported_until_s:
             self._reported.clear()
@@ -34,11 +34,5 @@ class Refusals:
             return
         self._reported.add(reason)
         more = f" ({self._omitted_count} more since the last such line)" if self._omitted_count else ""
-        self._report(f"refused {peer_name(transport)}: {fold_line(reason)}{more}")
+        self._report(f"refused {peer}: {fold_line(reason)}{more}")
         self._omitted_count = 0
-
-
-def peer_name(transport: asyncio.BaseTransport) -> str:
-    """Return a peer's address as text."""
-    address = transport.get_extra_info("peername")
-    return show_endpoint(*address[:2]) if address else "a client"

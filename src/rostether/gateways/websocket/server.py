@@ -84,7 +84,7 @@ class WebSocketServer:
         self._allow = AllowList(settings.allow)
         self._refusals = Refusals(report_refused)
         self._servers: list[asyncio.Server] = []
-        self._connections: dict[Connection, asyncio.Transport] = {}
+        self._connections: dict[Connection, None] = {}
         self._is_closed = False
         self._is_empty = asyncio.Event()
 
@@ -140,14 +140,14 @@ class WebSocketServer:
 
     # Methods that connections call.
 
-    def admit(self, connection: Connection, transport: asyncio.Transport) -> bool:
+    def admit(self, connection: Connection) -> bool:
         """Return whether a connection may stay, and count it."""
         if self._is_closed:
             return False
         if reason := self._admission_refusal(connection):
-            self._refusals.report(transport, reason)
+            self._refusals.report(connection.peer, reason)
             return False
-        self._connections[connection] = transport
+        self._connections[connection] = None
         return True
 
     def _admission_refusal(self, connection: Connection) -> str:
@@ -195,7 +195,7 @@ class WebSocketServer:
         if refused is None:
             return None
         status, reason = refused
-        self._report_refused(connection, reason)
+        self._refusals.report(connection.peer, reason)
         return status, reason + "\n"
 
     def _limit_reason(self, connection: Connection) -> str:
@@ -220,11 +220,8 @@ class WebSocketServer:
         else:
             reason = self.access.page_refusal(request.headers)
         if reason is not None:
-            self._report_refused(connection, reason)
+            self._refusals.report(connection.peer, reason)
         return reason
-
-    def _report_refused(self, connection: Connection, reason: str) -> None:
-        self._refusals.report(self._connections[connection], reason)
 
     def _explain(self, port: int, error: OSError) -> TransportOpenError:
         host = self._settings.host

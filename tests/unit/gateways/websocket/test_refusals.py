@@ -96,11 +96,11 @@ async def test_a_connection_that_has_gone_already_takes_no_place() -> None:
 
 async def test_each_reason_is_reported_once_in_a_while_and_few_of_them() -> None:
     reported: list[str] = []
-    quiet, transport = Refusals(reported.append), Accepted(LOCAL)
+    quiet = Refusals(reported.append)
     for _ in range(2):
         for number in range(refusals.MAX_REASONS + 1):
-            quiet.report(transport, f"page\n{number}")
+            quiet.report("127.0.0.1:5000", f"page\n{number}")
     assert reported == [f"refused 127.0.0.1:5000: page {number}" for number in range(refusals.MAX_REASONS)]
     quiet._reported_until_s = 0.0
-    quiet.report(transport, "page 0")
+    quiet.report("127.0.0.1:5000", "page 0")
     assert reported[-1].endswith("page 0 (7 more since the last such line)")
