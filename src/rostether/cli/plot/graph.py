@@ -12,9 +12,7 @@ from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.shell.option_group import FILE, add_flag, add_option
 from rostether.cli.shell.output import json_option, write_file, write_json, write_line
 from rostether.cli.shell.picture_files import SUFFIXES, encode, picture_format
-from rostether.cli.shell.running import run
 from rostether.cli.shell.verbs import verb
-from rostether.graph.ports import Snapshot
 from rostether.graph.shown_graph import ShownGraph, as_digraph, as_records, as_text, choose
 from rostether.mechanisms.text import counted
 from rostether.ros1.node.graph_view import take_snapshot
@@ -43,7 +41,7 @@ from rostether.ros1.node.graph_view import take_snapshot
 @add_flag("-a --all with_hidden", "Include logging, statistics and hidden names.")
 @json_option
 @graph_options()
-def show_graph(
+async def show_graph(
     names: tuple[str, ...],
     format_name: str | None,
     file: Path | None,
@@ -60,14 +58,16 @@ def show_graph(
     """
     if sum([format_name is not None, file is not None, as_json]) > 1:
         raise click.UsageError("give one of --format, --output and --json")
-    kind = "json" if as_json else format_name or "text"
-    if file is not None:
-        kind = picture_format(file)
+    kind = picture_format(file) if file is not None else format_name or "text"
     if graph.ros2 is not None:
+        from rostether.cli.access.ros2_tool_node import asked
+        from rostether.ros2.endpoint_info import as_snapshot
+
         refuse_ros1_only(master=graph.master)
-        snapshot = run(_ask_ros2(graph))
+        snapshot = as_snapshot(await asked(graph, lambda tool: tool.settled_snapshot()))
     else:
-        snapshot = run(_ask_ros1(graph))
+        async with master_client(read_environment(graph)) as client:
+            snapshot = await take_snapshot(client)
     shown = choose(snapshot, names, with_hidden=with_hidden)
     if as_json:
         for record in as_records(shown):
@@ -88,15 +88,3 @@ def _content(shown: ShownGraph, kind: str, *, nodes_only: bool) -> str | bytes:
     if kind == "dot":
         return dot(digraph)
     return encode(draw(digraph), kind)
-
-
-async def _ask_ros1(graph: GraphOptions) -> Snapshot:
-    async with master_client(read_environment(graph)) as client:
-        return await take_snapshot(client)
-
-
-async def _ask_ros2(graph: GraphOptions) -> Snapshot:
-    from rostether.cli.access.ros2_tool_node import asked
-    from rostether.ros2.endpoint_info import as_snapshot
-
-    return as_snapshot(await asked(graph, lambda tool: tool.settled_snapshot()))
