@@ -7,7 +7,6 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from rostether.cli.access.graph_options import GraphOptions, Middleware
-from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros1_access import joined, read_environment, type_store
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros2.environment import RouterChoice, ZenohReach
@@ -30,7 +29,6 @@ async def joined_either(graph: GraphOptions, *, purpose: str) -> AsyncIterator[t
     from rostether.cli.access.ros2_tool_node import HIDDEN_NAME, warn_without_router
     from rostether.graph.typed_graph import TypedGraph
 
-    refuse_ros1_only(master=graph.master)
     async with ros2_access(graph.ros2, reach=ZenohReach(RouterChoice.NEVER)) as access:
         if graph.ros2 is Middleware.ZENOH:
             await warn_without_router()

@@ -238,7 +238,10 @@ def _one_graph(
 ) -> GraphOptions:
     if ros1 and ros2:
         raise click.UsageError("this command uses one graph; give --ros1 or --ros2, not both")
-    return _chosen_graph(ros1=ros1, ros2=ros2, master=master, allow=allow)
+    graph = _chosen_graph(ros1=ros1, ros2=ros2, master=master, allow=allow)
+    if master and graph.ros2 is not None:
+        raise click.UsageError("--master works on ROS 1 only; omit it or add --ros1")
+    return graph
 
 
 def _chosen_graph(

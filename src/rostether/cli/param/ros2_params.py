@@ -83,7 +83,6 @@ class Ros2Params:
     """The parameters of a ROS 2 graph; each method is a whole command."""
 
     def __init__(self, graph: GraphOptions) -> None:
-        refuse_ros1_only(master=graph.master)
         self._graph = graph
 
     async def list_params(self, wanted: ParamListing) -> None:

@@ -7,7 +7,6 @@ from pathlib import Path
 import click
 
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros1_access import master_client, read_environment
 from rostether.cli.shell.option_group import FILE, add_flag, add_option
 from rostether.cli.shell.output import json_option, write_file, write_json, write_line
@@ -63,7 +62,6 @@ async def show_graph(
         from rostether.cli.access.ros2_tool_node import asked
         from rostether.ros2.endpoint_info import as_snapshot
 
-        refuse_ros1_only(master=graph.master)
         snapshot = as_snapshot(await asked(graph, lambda tool: tool.settled_snapshot()))
     else:
         async with master_client(read_environment(graph)) as client:

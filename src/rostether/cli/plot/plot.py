@@ -13,7 +13,6 @@ import click
 
 from rostether.cli.access.completions import complete_fields
 from rostether.cli.access.graph_options import GraphOptions, graph_options
-from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros1_access import joined, master_client, read_environment
 from rostether.cli.plot.curves import MAX_CURVES, expand
 from rostether.cli.plot.session import DEFAULT_WINDOW_S, Group, PlotOptions, PlotSession
@@ -78,7 +77,6 @@ async def plot(fields: tuple[str, ...], options: PlotOptions, graph: GraphOption
     title = options.title or shorten(", ".join(every), MAX_TITLE_CHARACTERS)
     session = PlotSession(replace(options, duration_s=duration_s, title=title), is_live=is_terminal)
     if graph.ros2 is not None:
-        refuse_ros1_only(master=graph.master)
         await _plot_ros2(graph, targets, session, options.msg_paths)
     else:
         await _plot_ros1(graph, targets, session, options.msg_paths)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from rostether.cli.access.graph_options import GraphOptions
-from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros1_access import joined, read_environment, resolve
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.topic.misfit_notice import shown_messages
@@ -109,7 +108,6 @@ def topic_meter(
     """
     if graph.ros2 is None:
         return _ros1_meter(graph, topics, msg_paths, quiet=quiet)
-    refuse_ros1_only(master=graph.master)
     return _ros2_meter(graph, topics, msg_paths, quiet=quiet, needs_definitions=needs_definitions)
 
 

@@ -23,7 +23,6 @@ class Ros2TopicListing:
     """The part of `Ros2Topics` that receives and sends no messages."""
 
     def __init__(self, graph: GraphOptions) -> None:
-        refuse_ros1_only(master=graph.master)
         self._graph = graph
 
     async def list_topics(self, wanted: TopicListing) -> None:
