@@ -20,7 +20,7 @@ from rostether.mechanisms.text import counted
 
 if TYPE_CHECKING:
     from rostether.bridge.reporter import Reporter
-    from rostether.graph.ports import Graph, JoinGraph
+    from rostether.graph.ports import JoinGraph
     from rostether.recording.recorded import RecordingWriter
     from rostether.ros2.types.type_support import Ros2Types
     from rostether.transports.transport import Transport
@@ -79,15 +79,24 @@ async def bags_recorded(
 async def _record(
     folder: Path, recording: BagRecording, join: JoinGraph, reporter: Reporter, types: Ros2Types | None
 ) -> None:
+    from rostether.mechanisms.anonymous import anonymous_name
+    from rostether.mechanisms.backoff import wait_for_master
     from rostether.recording.recorder import Recorder
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 
+    node_name = anonymous_name("record")
     try:
         create, name = _files(folder, types)
     except RecordingError as error:
         reporter.report(Level.ERROR, f"{error}; boards stay connected")
         return
-    async with closed_at_end(await _joined(join, reporter)) as graph:
+    joined = await wait_for_master(
+        lambda: join(node_name),
+        lambda error: reporter.report(Level.WARN, f"Recording starts when the graph is available: {error}"),
+        max_retry_s=MAX_JOIN_RETRY_S,
+        errors=GraphError,
+    )
+    async with closed_at_end(joined) as graph:
         recorder = Recorder(
             graph,
             TopicChoice(is_all=True, with_hidden=types is None),
@@ -121,19 +130,6 @@ def _files(
 
     bag = Ros2Bag(folder / f"rosbag2_{date}", types=types)
     return bag.create, bag.path_of
-
-
-async def _joined(join: JoinGraph, reporter: Reporter) -> Graph:
-    from rostether.mechanisms.anonymous import anonymous_name
-    from rostether.mechanisms.backoff import wait_for_master
-
-    name = anonymous_name("record")
-    return await wait_for_master(
-        lambda: join(name),
-        lambda error: reporter.report(Level.WARN, f"Recording starts when the graph is available: {error}"),
-        max_retry_s=MAX_JOIN_RETRY_S,
-        errors=GraphError,
-    )
 
 
 def _level_of(text: str) -> Level:
