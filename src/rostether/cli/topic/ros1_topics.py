@@ -13,7 +13,6 @@ import click
 
 from rostether.cli.access.options import refuse_ros2_only
 from rostether.cli.access.ros1_access import joined, resolve, type_store
-from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.topic.options import EchoOptions, PubOptions, with_field
 from rostether.cli.topic.ros1_listing import Ros1TopicListing
@@ -53,7 +52,9 @@ class Ros1Topics(Ros1TopicListing):
         options.compiled_filter()
         await echo(self._graph, with_field(topic, options), options)
 
-    async def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
+    async def publish(
+        self, topic: str, type_name: str, values: tuple[str, ...], file_text: str | None, options: PubOptions
+    ) -> None:
         """Publish messages as rostopic does."""
         from rostether.msgdef.search_waiting import wait_for_definitions
         from rostether.serde.yaml_form import fill_message, load_arguments
@@ -72,12 +73,11 @@ class Ros1Topics(Ros1TopicListing):
         await wait_for_definitions(store.registry, lambda: store.registry.message_type(type_name))
         codec = store.codec(type_name)
         given = load_arguments(values)
-        text = read_text(options.file) if options.file is not None else None
         is_typed = bool(values) or not codec.message_class._fields
         # Errors are reported before anything is advertised.
         if is_typed:
             fill_message(codec, given, now=wall_time)
-        elif text is None and sys.stdin.isatty():
+        elif file_text is None and sys.stdin.isatty():
             fields = " ".join(field for field, _ in codec.message_class._fields)
             raise click.UsageError(f"{type_name} needs values: {fields}; {{}} sets all to zero")
         async with joined(self._graph, store=store, purpose="rostopic") as graph:
@@ -88,7 +88,7 @@ class Ros1Topics(Ros1TopicListing):
             async with task_beside(graph.raw.wait_closed()) as leaving:
                 output = _Output(publisher, leaving, options)
                 if not is_typed:
-                    await output.publish_documents(_documents(codec, text, now))
+                    await output.publish_documents(_documents(codec, file_text, now))
                     return
                 first = fill_message(codec, given, now=now)
                 if options.rate_hz is None:

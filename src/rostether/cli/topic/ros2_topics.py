@@ -10,7 +10,6 @@ import click
 
 from rostether.cli.access.options import refuse_ros1_only
 from rostether.cli.access.ros2_tool_node import tool_node
-from rostether.cli.shell.input import read_text
 from rostether.cli.shell.output import paint_keys, write_line
 from rostether.cli.topic.echo_printer import EchoPrinter
 from rostether.cli.topic.misfit_notice import shown_messages
@@ -69,7 +68,9 @@ class Ros2Topics(Ros2TopicListing):
                     f"`rostether topic info {topic}` shows its publishers"
                 ) from None
 
-    async def publish(self, topic: str, type_name: str, values: tuple[str, ...], options: PubOptions) -> None:
+    async def publish(
+        self, topic: str, type_name: str, values: tuple[str, ...], file_text: str | None, options: PubOptions
+    ) -> None:
         """Publish messages as `ros2 topic pub` does."""
         from rostether.serde.yaml_form import fill_or_default, load_arguments, load_documents
 
@@ -78,8 +79,8 @@ class Ros2Topics(Ros2TopicListing):
             raise click.UsageError("give one of -1 and -t, not both")
         # Errors are reported before anything is advertised.
         given = [load_arguments(values)]
-        if options.file is not None:
-            given = list(load_documents(read_text(options.file)))
+        if file_text is not None:
+            given = list(load_documents(file_text))
         name = short_name(type_name)
         async with tool_node(self._graph, options.msg_paths) as tool:
             codec, definition = tool.graph.store.codec(name), tool.registry.ros2_message(name)

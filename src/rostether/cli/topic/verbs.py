@@ -175,9 +175,9 @@ class _Pub(Verb):
 @option_group("options", PubOptions)
 @graph_options(allow=True)
 @ignored_qos_options
-async def pub(
+def pub(
     topic: str, type_name: str, values: tuple[str, ...], options: PubOptions, graph: GraphOptions
-) -> None:
+) -> Coroutine[Any, Any, None]:
     """Publish messages.
 
     VALUES are YAML: a mapping of fields, where missing fields are zero, or the values of all fields in order.
@@ -190,4 +190,8 @@ async def pub(
     """
     if values and options.file is not None:
         raise click.UsageError("give values or a file, not both")
-    await topics_of(graph).publish(topic, type_name, values, options)
+    from rostether.cli.shell.input import read_text
+
+    # Outside the event loop, Ctrl-C immediately ends a read from a terminal.
+    text = None if options.file is None else read_text(options.file)
+    return topics_of(graph).publish(topic, type_name, values, text, options)

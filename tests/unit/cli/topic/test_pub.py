@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import re
 import subprocess
 from collections.abc import Callable, Sequence
@@ -9,7 +10,9 @@ from typing import Any, TypeAlias
 import pytest
 
 from programs import running
+from rostether.cli.param import ros1_params
 from rostether.cli.topic import ros1_topics
+from rostether.errors import ConfigError
 from rostether.serde.values import Message
 from unit.cli.command_shell import STORE, LiveGraph, Shell
 from unit.cli.talking import command_node, in_background, shut_down
@@ -198,3 +201,16 @@ def test_mistakes_are_reported_before_a_master_is_asked(
 def test_an_empty_pipe_is_a_mistake(graph: LiveGraph, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ros1_topics, "SUBSCRIBER_TIMEOUT_S", 0.01)
     assert "no message to publish" in shell.failure("topic", "pub", "/a", "std_msgs/Int8", stdin="")
+
+
+def test_a_file_is_read_before_the_event_loop_starts(shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
+    # In the loop, Ctrl-C would end a read from a terminal only after two seconds.
+    def read(file: Path) -> str:
+        with pytest.raises(RuntimeError):
+            asyncio.get_running_loop()
+        raise ConfigError(f"{file} was read")
+
+    monkeypatch.setattr(ros1_params, "read_text", read)
+    monkeypatch.setattr("rostether.cli.shell.input.read_text", read)
+    for words in (("topic", "pub", "-f", "-", "/x", "std_msgs/String"), ("param", "load", "-")):
+        assert shell.failure(*words).endswith("- was read")
