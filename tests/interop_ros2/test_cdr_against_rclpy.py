@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -38,8 +39,8 @@ def names() -> list[str]:
     """Return all messages of the packages, including requests and responses of services."""
     found = []
     for package in PACKAGES:
-        found += DEFINITIONS.messages(package)
-        for name in DEFINITIONS.services(package):
+        found += DEFINITIONS.names(Kind.MESSAGE, package)
+        for name in DEFINITIONS.names(Kind.SERVICE, package):
             found += [f"{name}_Request", f"{name}_Response"]
     return found
 

@@ -207,16 +207,11 @@ class Ros2Definitions:
             names.update(bundled_packages())
         return sorted(names)
 
-    def messages(self, package: str | None = None) -> list[str]:
-        """Return the full names of all messages, or of one package's, sorted, without those of services."""
-        return self.names(Kind.MESSAGE, package)
-
-    def services(self, package: str | None = None) -> list[str]:
-        """Return the full names of all services, or of one package's, sorted."""
-        return self.names(Kind.SERVICE, package)
-
     def names(self, kind: Kind, package: str | None = None) -> list[str]:
-        """Return the full names of all definitions of a kind, or of one package's, sorted."""
+        """Return the full names of all definitions of a kind, or of one package's, sorted.
+
+        The messages of services and actions are not among the messages.
+        """
         names: set[str] = set()
         for each in self.packages() if package is None else [package]:
             found = {name for name, file in self._own(each, kind).items() if self._is_ros2(file, kind, each)}

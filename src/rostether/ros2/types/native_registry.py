@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from rostether.errors import DefinitionError, UnknownTypeError
+from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definition_files import declares_ros2
@@ -103,11 +104,11 @@ class NativeRegistry(Registry):
 
     def messages(self, package: str | None = None) -> list[str]:
         """Return all messages, or those of a package, by ROS 2's names, sorted."""
-        return self.definitions.messages(package)
+        return self.definitions.names(Kind.MESSAGE, package)
 
     def services(self, package: str | None = None) -> list[str]:
         """Return all services, or those of a package, by ROS 2's names, sorted."""
-        return self.definitions.services(package)
+        return self.definitions.names(Kind.SERVICE, package)
 
     def _load_message(self, name: str) -> MessageSpec:
         return as_ros1_specs(self.ros2_message(name), self.source)[0]

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import pytest
 
+from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.full_text import split_full_text
 from rostether.msgdef.ros2.definition_text import full_text, message_text
 from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -28,7 +29,7 @@ def test_the_text_of_a_message_is_read_as_the_message() -> None:
     assert parse_message(message_text(message), package="arm_msgs", name="Gripper") == message
 
 
-@pytest.mark.parametrize("name", DEFINITIONS.messages())
+@pytest.mark.parametrize("name", DEFINITIONS.names(Kind.MESSAGE))
 def test_every_message_is_read_back_from_its_full_text(name: str) -> None:
     message = DEFINITIONS.message(name)
     package, _, short_name = name.partition("/msg/")

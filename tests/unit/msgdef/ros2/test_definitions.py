@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError, DefinitionError, UnknownTypeError
+from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.definition_files import BUNDLED_FOLDER
 from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -36,11 +37,11 @@ def names(definitions: Ros2Definitions, name: str) -> list[str]:
 def test_every_bundled_text_can_be_read_with_nested_types() -> None:
     for distro in ("humble", "iron", "jazzy", "kilted", "lyrical", "rolling"):
         definitions = Ros2Definitions(distro=distro)
-        assert len(definitions.messages()) > 150
-        for name in definitions.messages():
+        assert len(definitions.names(Kind.MESSAGE)) > 150
+        for name in definitions.names(Kind.MESSAGE):
             assert definitions.message(name).full_name == name
             dependencies(definitions.message(name), definitions.message)
-        for name in definitions.services():
+        for name in definitions.names(Kind.SERVICE):
             service = definitions.service(name)
             assert definitions.message(f"{name}_Request") == service.request
             assert definitions.message(f"{name}_Response") == service.response
@@ -67,14 +68,14 @@ def test_distributions_have_their_own_definitions() -> None:
 def test_lists_packages_messages_and_services() -> None:
     definitions = Ros2Definitions()
     assert {"std_msgs", "tf2_msgs", "service_msgs"} <= set(definitions.packages())
-    assert "std_msgs/msg/String" in definitions.messages("std_msgs")
-    assert definitions.services("std_srvs") == [
+    assert "std_msgs/msg/String" in definitions.names(Kind.MESSAGE, "std_msgs")
+    assert definitions.names(Kind.SERVICE, "std_srvs") == [
         "std_srvs/srv/Empty",
         "std_srvs/srv/SetBool",
         "std_srvs/srv/Trigger",
     ]
-    assert definitions.messages("std_srvs") == []
-    assert definitions.messages("no_such") == []
+    assert definitions.names(Kind.MESSAGE, "std_srvs") == []
+    assert definitions.names(Kind.MESSAGE, "no_such") == []
 
 
 @pytest.mark.parametrize(
@@ -130,7 +131,7 @@ def test_reads_installed_packages(tmp_path: Path) -> None:
     definitions = Ros2Definitions.from_environment(environ=environ)
     assert definitions.message("your_msgs/msg/Bar").fields[0].type.base == "my_msgs/msg/Foo"
     assert definitions.message("std_msgs/msg/String").fields[0].type.string_bound == 5
-    assert definitions.services("my_msgs") == ["my_msgs/srv/Set"]
+    assert definitions.names(Kind.SERVICE, "my_msgs") == ["my_msgs/srv/Set"]
     assert "your_msgs" in definitions.packages()
     assert "rviz" not in definitions.packages()
     with pytest.raises(UnknownTypeError, match=r"installed as \.idl only"):
@@ -157,7 +158,7 @@ def test_packages_from_pip_only_add_types(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     definitions = Ros2Definitions.from_environment(environ={})
     assert definitions.message("std_msgs/msg/String").fields[0].type.string_bound is None
-    assert definitions.messages("pip_msgs") == ["pip_msgs/msg/Foo"]
+    assert definitions.names(Kind.MESSAGE, "pip_msgs") == ["pip_msgs/msg/Foo"]
     assert "pip_msgs" in definitions.packages()
     assert names(definitions, "pip_msgs/msg/Foo") == ["a"]
 
@@ -191,8 +192,8 @@ def test_distinguishes_ros2_definitions_from_ros1(tmp_path: Path) -> None:
     write(tmp_path / "own_msgs/msg/Header.msg", "int8 a\n")
     write(tmp_path / "own_msgs/msg/Uses.msg", "Header header\n")
     definitions = Ros2Definitions([tmp_path])
-    assert definitions.messages("loose_msgs") == ["loose_msgs/msg/Both", "loose_msgs/msg/New"]
-    assert definitions.messages("old_msgs") == []
+    assert definitions.names(Kind.MESSAGE, "loose_msgs") == ["loose_msgs/msg/Both", "loose_msgs/msg/New"]
+    assert definitions.names(Kind.MESSAGE, "old_msgs") == []
     assert not definitions.has("old_msgs/msg/Plain")
     assert not definitions.has("loose_msgs/msg/Old")
     assert definitions.has("own_msgs/msg/Uses")
@@ -230,6 +231,6 @@ def test_a_package_of_the_user_replaces_the_bundled_one_whole(tmp_path: Path) ->
         Ros2Definitions([tmp_path / "given"]),
         Ros2Definitions(prefixes=[tmp_path / "install"]),
     ):
-        assert definitions.services("std_srvs") == ["std_srvs/srv/Trigger"]
+        assert definitions.names(Kind.SERVICE, "std_srvs") == ["std_srvs/srv/Trigger"]
         assert not definitions.has("std_srvs/srv/SetBool")
         assert definitions.has("std_msgs/msg/String")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.ros2 import parse
 from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -32,8 +33,10 @@ def test_converts_bytes_bounds_and_constants_to_ros1() -> None:
 
 
 def test_ros1_reads_the_text_of_every_bundled_type() -> None:
-    names = [name for name in DEFINITIONS.messages() if "WString" not in name]
-    halves = [f"{name}_{half}" for name in DEFINITIONS.services() for half in ("Request", "Response")]
+    names = [name for name in DEFINITIONS.names(Kind.MESSAGE) if "WString" not in name]
+    halves = [
+        f"{name}_{half}" for name in DEFINITIONS.names(Kind.SERVICE) for half in ("Request", "Response")
+    ]
     for name in names + halves:
         for spec in as_ros1_specs(DEFINITIONS.message(name), DEFINITIONS):
             assert parse_message(spec.text, package=spec.package, name=spec.name) == spec

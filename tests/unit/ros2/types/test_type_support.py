@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import DefinitionError, TypeMismatchError, UnknownTypeError
+from rostether.msgdef.definition_files import Kind
 from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
@@ -62,10 +63,10 @@ def test_every_bundled_ros1_type_can_be_converted(types: Ros2Types) -> None:
 
 
 def test_every_bundled_ros2_type_can_be_converted(types: Ros2Types) -> None:
-    for name in types.definitions.messages():
+    for name in types.definitions.names(Kind.MESSAGE):
         assert types.by_name(name).name == name
         assert native_message(types.definitions.message(name), types.definitions).type_hash
-    for name in types.definitions.services():
+    for name in types.definitions.names(Kind.SERVICE):
         assert types.service_by_name(name).name == name
         assert types.native_service(name).md5sum
 
@@ -150,7 +151,7 @@ def test_types_are_found_by_ros2_names(types: Ros2Types) -> None:
 
 
 def test_native_types_drop_and_add_nothing(types: Ros2Types) -> None:
-    for name in types.definitions.messages():
+    for name in types.definitions.names(Kind.MESSAGE):
         native = native_message(types.definitions.message(name), types.definitions).ros1_type
         learned_store = TypeStore(Registry(bundled=False))
         learned_store.registry.add_full_text(native.name, native.definition)
