@@ -84,8 +84,8 @@ async def _joined_ros2(
 
     registry = NativeRegistry.from_environment(msg_paths, environ)
     store = TypeStore(registry, _classes(numpy))
-    async with open_ros2(middleware, NativeTypes(registry), environ) as join_graph:
-        graph = await join_graph(
+    async with open_ros2(middleware, NativeTypes(registry), environ) as access:
+        graph = await access.join(
             node_name if node_name is not None else anonymous_name("rostether"),
             namespace=namespace or "/",
             remappings=remappings,

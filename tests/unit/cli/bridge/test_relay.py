@@ -12,7 +12,6 @@ import pytest
 from contract.graphs import SET_BOOL, STRING, TRUE, Inbox, answer, answer_set_bool, string
 from rostether.cli.access.console_reporter import ConsoleReporter
 from rostether.cli.access.graph_options import GraphOptions, Middleware
-from rostether.cli.access.ros2_access import Ros2Access
 from rostether.cli.bridge import relay as relay_command
 from rostether.cli.bridge.relay import RelayOptions, finding_types, relay_between
 from rostether.errors import UnknownTypeError
@@ -24,6 +23,7 @@ from rostether.relay.item import RelayDirection, ServiceFilter, TopicFilter
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1
+from rostether.ros2.session import Ros2Access
 from rostether.ros2.types.type_support import Ros2Types
 from unit.cli.command_shell import Shell
 from waiting import until
