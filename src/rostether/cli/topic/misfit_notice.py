@@ -7,6 +7,7 @@ from contextlib import aclosing, asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 from rostether.cli.shell.output import warn
+from rostether.mechanisms.rate_limits import RepeatLimiter
 from rostether.mechanisms.text import misfit_text
 
 if TYPE_CHECKING:
@@ -14,9 +15,6 @@ if TYPE_CHECKING:
 
     from rostether.errors import SerializationError
     from rostether.graph.message_stream import MessageStream
-
-# A publisher with a wrong definition sends hundreds a second, and all have the same fault.
-NOTICE_PERIOD_S = 10.0
 
 
 @asynccontextmanager
@@ -26,8 +24,9 @@ async def shown_messages(stream: MessageStream[Any]) -> AsyncIterator[AsyncGener
     The first of these is reported immediately, later ones every 10 s and at the end of the block.
     """
     reported_count = 0
-    next_s = 0.0
     reason = ""
+    # A publisher with a wrong definition sends hundreds a second, and all have the same fault.
+    limiter = RepeatLimiter()
 
     def report() -> None:
         nonlocal reported_count
@@ -35,10 +34,9 @@ async def shown_messages(stream: MessageStream[Any]) -> AsyncIterator[AsyncGener
         warn(f"WARNING: {stream.topic}: {misfit_text(reported_count)} and cannot be shown: {reason}")
 
     def on_misfit(error: SerializationError) -> None:
-        nonlocal next_s, reason
+        nonlocal reason
         reason = str(error)
-        if (now_s := asyncio.get_running_loop().time()) >= next_s:
-            next_s = now_s + NOTICE_PERIOD_S
+        if limiter.admit("misfit", asyncio.get_running_loop().time()) is not None:
             report()
 
     stream.on_misfit = on_misfit

@@ -4,10 +4,10 @@ import asyncio
 
 import pytest
 
-from rostether.cli.topic import misfit_notice
 from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.typed_graph import TypedGraph
+from rostether.mechanisms import rate_limits
 from unit.cli.command_shell import STORE
 
 WRONG = b"\xff\xff\xff\xff"
@@ -24,7 +24,7 @@ async def test_messages_that_cannot_be_decoded_are_counted_on_stderr(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(misfit_notice, "NOTICE_PERIOD_S", period_s)
+    monkeypatch.setattr(rate_limits, "PERIOD_S", period_s)
     network = MemoryNetwork()
     talker, listener = [TypedGraph(await network.join(name), STORE) for name in ("/talker", "/listener")]
     publisher = await talker.publisher("/chatter", "std_msgs/String")
