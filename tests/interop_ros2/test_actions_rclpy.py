@@ -54,11 +54,10 @@ class CountingBoard:
 
 @contextlib.asynccontextmanager
 async def native_session(folder: Path) -> AsyncIterator[NativeSession]:
-    registry = NativeRegistry.from_environment([folder])
-    types = NativeTypes(registry)
+    types = NativeTypes(NativeRegistry.from_environment([folder]))
     context = await RclpyContext.open(types, domain_id=own_domain())
     try:
-        yield NativeSession(context.join, types, registry)
+        yield NativeSession(context.join, types)
     finally:
         await context.close()
 

@@ -81,7 +81,7 @@ class ActionRelay:
         self._stack.push_async_callback(native.close)
         types = self._join.types
         if not self._to_ros2:
-            forms = ActionForms(self.type_name, types, session.types, session.registry)
+            forms = ActionForms(self.type_name, types, session.types)
             server = Ros1ActionServer(
                 self._name, self.type_name, forms, ros1=self._ros1, native=native, registry=types.registry
             )
@@ -90,7 +90,7 @@ class ActionRelay:
             return
         action = BoardAction(self._name, self.type_name, types)
         await self._connect(action)
-        await action.open(native, session.types, session.registry)
+        await action.open(native, session.types)
         self._stack.push_async_callback(action.close)
 
     async def wait_for_new_type(self) -> None:

@@ -44,7 +44,7 @@ ACTION, TYPE = "/arm/reach", "move_base_msgs/MoveBase"
 REGISTRY = Registry()
 NATIVE = NativeRegistry.from_environment(environ={})
 # ROS 2 has no definition of this type, so it uses that of ROS 1.
-FORMS = ActionForms(TYPE, Ros2Types(REGISTRY, Ros2Definitions()), NativeTypes(NATIVE), NATIVE)
+FORMS = ActionForms(TYPE, Ros2Types(REGISTRY, Ros2Definitions()), NativeTypes(NATIVE))
 
 
 async def no_service(service: str, name: str) -> ServiceType:
@@ -94,7 +94,7 @@ class Chain:
         joins, running = [], []
         for number, ros2 in enumerate((near, far)):
             name = f"/relay_{number}"
-            session = NativeSession(ros2.join, NativeTypes(NATIVE), NATIVE)
+            session = NativeSession(ros2.join, NativeTypes(NATIVE))
             types = Ros2Types(REGISTRY, Ros2Definitions())
             joins.append(BoardJoin(ros2.join, types, partial(open_session, session)))
             relay = Relay(

@@ -86,7 +86,7 @@ async def a_stage() -> AsyncIterator[tuple[Board, GoalCall, TypeStore, NativeSes
         await asyncio.sleep(0.01)
         return await network.join(node_name, namespace=namespace)
 
-    session = NativeSession(join_slowly, types, registry)
+    session = NativeSession(join_slowly, types)
     join = BoardJoin(network.join, Ros2Types(STORE.registry, Ros2Definitions()), lambda: nullcontext(session))
     board = Board(await join("arm"))
     await board.open()

@@ -97,13 +97,12 @@ async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> Asyn
     from rostether.ros2.types.native_types import NativeTypes
 
     assert graph.ros2 is not None
-    registry = NativeRegistry.from_environment(msg_paths)
-    types = NativeTypes(registry)
+    types = NativeTypes(NativeRegistry.from_environment(msg_paths))
     await types.searched()
     # The boards' session is the router if this process has one; this session must not be another.
     reach = ZenohReach(RouterChoice.NEVER, graph.zenoh.connect)
     async with ros2_access(graph.ros2, msg_paths, reach=reach, types=types) as access:
-        yield NativeSession(access.join, types, registry)
+        yield NativeSession(access.join, types)
 
 
 def check_master(graph: GraphOptions, port: int | None) -> None:

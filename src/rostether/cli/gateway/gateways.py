@@ -177,7 +177,7 @@ async def open_gateway_graph(
     from rostether.serde.store import TypeStore
 
     async with native_session(options, msg_paths) as session:
-        registry = session.registry
+        registry = session.types.registry
         yield GatewayGraph(session.join, TypeStore(registry, NativeClasses(registry)), is_ros2=True)
 
 

@@ -24,7 +24,6 @@ from rostether.ros2.actions.ros1_form import (
 )
 from rostether.ros2.actions.server import Ros2ActionServer
 from rostether.ros2.actions.types import GoalStatus
-from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types
 
@@ -59,13 +58,13 @@ class BoardAction:
         self._sent_s: dict[str, float] = {}
         self._canceled: set[str] = set()
 
-    async def open(self, graph: Graph, types: NativeTypes, registry: NativeRegistry) -> None:
+    async def open(self, graph: Graph, types: NativeTypes) -> None:
         """Offer the action on a node with native ROS 2 types.
 
         Raises InvalidNameError, GraphError, DefinitionError.
         """
         self._graph = graph
-        self._forms = forms = ActionForms(self.action_type, self._types, types, registry)
+        self._forms = forms = ActionForms(self.action_type, self._types, types)
         server = Ros2ActionServer(
             self.action,
             forms.types,

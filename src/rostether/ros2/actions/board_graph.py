@@ -17,7 +17,6 @@ from rostether.graph.ports import Graph, JoinGraph, Level, OnMessages, Publisher
 from rostether.msgdef.interface import MessageType
 from rostether.ros2.actions.board_action import BoardAction
 from rostether.ros2.actions.ros1_form import CANCEL, FEEDBACK, GOAL, RESULT, STATUS
-from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types
 
@@ -27,7 +26,6 @@ class NativeSession(Struct, frozen=True):
 
     join: JoinGraph
     types: NativeTypes
-    registry: NativeRegistry
 
 
 OpenSession: TypeAlias = Callable[[], AbstractAsyncContextManager[NativeSession]]
@@ -145,7 +143,7 @@ class _BoardGraph:
         topics.action = action
         try:
             topics.node = await session.join(f"{self._graph.node_name.strip('/').replace('/', '_')}_actions")
-            await action.open(topics.node, session.types, session.registry)
+            await action.open(topics.node, session.types)
         except BaseException:
             await topics.close()
             raise

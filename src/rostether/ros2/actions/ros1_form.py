@@ -89,12 +89,11 @@ def type_of_part(part: tuple[str, str], action_type: str) -> str:
 class ActionForms:
     """Converts an action, `action_type` as `package/Name`, between ROS 1 and the native form of ROS 2.
 
-    `ros1` has the types of ROS 1; `types` and `registry` have the native ones. Raises DefinitionError.
+    `ros1` has the types of ROS 1, and `types` the native ones. Raises DefinitionError.
     """
 
-    def __init__(
-        self, action_type: str, ros1: Ros2Types, types: NativeTypes, registry: NativeRegistry
-    ) -> None:
+    def __init__(self, action_type: str, ros1: Ros2Types, types: NativeTypes) -> None:
+        registry = types.registry
         self.types = _find_types(action_type, ros1, registry)
         codec = TypeStore(registry).codec
         self.empty_result = codec(self.types.result).encode({})

@@ -28,21 +28,22 @@ from rostether.serde.values import Message, MessageClasses
 class NativeTypes(Ros2Types):
     """A graph's types from a `NativeRegistry`; unknown types are handled as in `Ros2Types`."""
 
+    registry: NativeRegistry
+
     def __init__(self, registry: NativeRegistry) -> None:
         super().__init__(registry, registry.definitions)
-        self._native = registry
         self._native_supports: dict[str, MessageSupport] = {}
         self._native_service_supports: dict[str, ServiceSupport] = {}
 
     def message(self, message_type: MessageType) -> MessageSupport:
         """Return a message type's support in ROS 2. Raises the same errors as `Ros2Types.message`."""
-        support = self._find(message_type, self._native_supports, self._native.message_type, self._describe)
+        support = self._find(message_type, self._native_supports, self.registry.message_type, self._describe)
         return super().message(message_type) if support is None else support
 
     def service(self, service_type: ServiceType) -> ServiceSupport:
         """Return a service type's support in ROS 2. Raises the same errors as `Ros2Types.service`."""
         support = self._find(
-            service_type, self._native_service_supports, self._native.service_type, self._describe_service
+            service_type, self._native_service_supports, self.registry.service_type, self._describe_service
         )
         return super().service(service_type) if support is None else support
 
@@ -66,14 +67,14 @@ class NativeTypes(Ros2Types):
         self.message(message_type)
         support = self._native_supports.get(message_type.name)
         if support is not None and support.ros1_type.md5sum == message_type.md5sum:
-            return self._native.source
+            return self.registry.source
         return super()._definitions_of(message_type)
 
     def _describe(self, name: str) -> MessageSupport:
-        return native_message(self._native.ros2_message(name), self._native.source)
+        return native_message(self.registry.ros2_message(name), self.registry.source)
 
     def _describe_service(self, name: str) -> ServiceSupport:
-        return native_service(self._native.ros2_service(name), self._native.source)
+        return native_service(self.registry.ros2_service(name), self.registry.source)
 
 
 class NativeClasses(MessageClasses):
