@@ -23,8 +23,7 @@ from rostether.cli.bridge.options import read_devices
 from rostether.cli.bridge.serving import serving
 from rostether.cli.dashboard.optional import optional_dashboard
 from rostether.cli.dashboard.settings import DashboardSettings
-from rostether.cli.demo.boards import PYTHON, UNO, demo_board
-from rostether.cli.demo.graphs import demo_master, demo_ros2, prepare_board
+from rostether.cli.demo.setup import PYTHON, UNO, demo_board, demo_master, demo_ros2, prepare_board
 from rostether.cli.demo.view import DemoFacts, DemoScreen, DemoView, RecentLines
 from rostether.cli.shell.keys import split_keys, typed_keys
 from rostether.cli.shell.option_group import PATH, PORT, NumberRange, flag, option, option_group

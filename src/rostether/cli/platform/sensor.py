@@ -17,20 +17,6 @@ from rostether.serde.values import Message
 
 # The list is latched: the manager sends it immediately. A busy Raspberry Pi needs seconds to connect.
 _LIMIT_S = 10.0
-_FIELDS = (
-    "id",
-    "name",
-    "platform_name",
-    "sensor_type",
-    "topic",
-    "message_type",
-    "unit",
-    "frame_id",
-    "rate_hz",
-    "lease_s",
-    "state",
-    "state_text",
-)
 
 
 sensor = verb_group(
@@ -126,4 +112,5 @@ def _cells(row: Mapping[str, Any]) -> list[str]:
 
 
 def _plain(found: Message) -> dict[str, Any]:
-    return {key: getattr(found, key) for key in _FIELDS}
+    # A time is not a value of JSON.
+    return {name: getattr(found, name) for name, _ in found._fields if name != "state_since"}

@@ -6,7 +6,7 @@ from contextlib import AsyncExitStack
 import pytest
 
 from programs import read_until, running
-from rostether.cli.demo import graphs
+from rostether.cli.demo import setup
 from rostether.cli.demo.view import RecentLines
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.cli.ros2.zenoh_world import ZenohWorld
@@ -55,10 +55,10 @@ def test_the_demo_stays_in_ros1_on_request(graph: LiveGraph, world: ZenohWorld) 
 
 
 async def test_a_demo_without_zenoh_reports_the_missing_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(graphs, "find_spec", lambda _: None)
+    monkeypatch.setattr(setup, "find_spec", lambda _: None)
     lines = RecentLines()
     async with AsyncExitStack() as stack:
-        assert await graphs.demo_ros2(stack, lines, joins=False) is None
+        assert await setup.demo_ros2(stack, lines, joins=False) is None
     assert "pip install 'rostether[zenoh]'" in lines.lines[0]
 
 
@@ -67,5 +67,5 @@ async def test_a_demo_that_cannot_join_ros2_continues(monkeypatch: pytest.Monkey
     monkeypatch.setenv("ROS_DOMAIN_ID", "900")
     lines = RecentLines()
     async with AsyncExitStack() as stack:
-        assert await graphs.demo_ros2(stack, lines, joins=False) is None
+        assert await setup.demo_ros2(stack, lines, joins=False) is None
     assert "Not on ROS 2: ROS_DOMAIN_ID" in lines.lines[0]

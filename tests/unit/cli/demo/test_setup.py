@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from programs import TIMEOUT_S, Terminal, in_terminal, running
-from rostether.cli.demo import boards
-from rostether.cli.demo.boards import demo_board
+from rostether.cli.demo import setup
+from rostether.cli.demo.setup import demo_board
 from rostether.cli.demo.view import RecentLines
 from rostether.errors import BoardError
 from rostether.simulation.ultrasound import Obstacle
@@ -55,5 +55,5 @@ async def test_without_the_compiler_the_board_is_a_python_program(monkeypatch: p
         assert "Python" in board.title
     assert "install" in lines.lines[0]
     with pytest.raises(BoardError):
-        async with demo_board(boards.UNO, "virtual_board", Obstacle(), lines):
+        async with demo_board(setup.UNO, "virtual_board", Obstacle(), lines):
             pass
