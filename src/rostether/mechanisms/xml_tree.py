@@ -81,7 +81,7 @@ def parse_xml(
     if len(data) > max_bytes:
         raise make_error(f"larger than {max_bytes} bytes, so it is not {what}", 0)
     if not data:
-        raise make_error(f"empty, so it is not {what}", 0)
+        raise make_error(f"empty, so it is not {what}", 1)
     return _Builder(file, make_error, encoding).build(data)
 
 

@@ -58,7 +58,7 @@ BOMB = b"""<!DOCTYPE lolz [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        (b"", "not XML"),
+        (b"", "empty, so it is not a package.xml"),
         (b"<package><name>a</name>", "not XML"),
         (b"<package/>", "has no name; add <name>"),
         (b"<package><name>1a</name></package>", "not a package name"),
