@@ -165,7 +165,7 @@ def check_robot(robot: RobotFile, file: str) -> None:
             _check_command(part.words)
         except (ConfigError, click.UsageError) as error:
             reason = usage_text(error) if isinstance(error, click.UsageError) else error
-            raise ConfigError(f"{file}: parts.{part.name}: {reason}") from None
+            raise ConfigError(f"{file}:parts.{part.name}: {reason}") from None
 
 
 def _check_command(words: Sequence[str]) -> None:

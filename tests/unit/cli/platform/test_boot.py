@@ -99,7 +99,7 @@ def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
     assert "parts.a: must be a rostether command" in shell.failure("up", str(nested))
     assert "parts.a: must be a rostether command" in shell.failure("install", "--from", str(nested), *place)
     words = ("install", "--machine", "both", "--name", "r", "--board", "demo:")
-    assert "the new robot.toml: parts.boards: unknown kind of link 'demo'" in shell.failure(*words, *place)
+    assert "the new robot.toml:parts.boards: unknown kind of link 'demo'" in shell.failure(*words, *place)
     assert not root.exists()
 
 
@@ -115,14 +115,14 @@ def test_wrong_words(root: Path, shell: Shell, tmp_path: Path) -> None:
             "parts.a: Invalid value for '-p' / '--port': 'x' is not a whole number; see `rostether dash",
         ),
         ("[parts]\na = 'core --version'", "parts.a: No such option"),
-        ("address = '10.0.0.256'\n[parts]\na = 'core'", "ROS_IP='10.0.0.256' is not an IP address"),
-        ("master = 'http://base'\n[parts]\na = 'core'", "ROS_MASTER_URI: 'http://base' is not a URI"),
+        ("address = '10.0.0.256'\n[parts]\na = 'core'", " ROS_IP='10.0.0.256' is not an IP address"),
+        ("master = 'http://base'\n[parts]\na = 'core'", " ROS_MASTER_URI: 'http://base' is not a URI"),
     ],
 )
 def test_a_part_that_cannot_start(text: str, reason: str, shell: Shell, tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
     robot.write_text(text)
-    assert f"{robot}: {reason}" in shell.failure("up", str(robot), "--check")
+    assert f"{robot}:{reason}" in shell.failure("up", str(robot), "--check")
 
 
 def test_parts_that_can_start(shell: Shell, tmp_path: Path) -> None:
