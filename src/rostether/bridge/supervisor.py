@@ -8,7 +8,7 @@ address ── open, or listen ──> transport ── identity ──> board (
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Protocol
 
 from msgspec import Struct
@@ -33,7 +33,7 @@ from rostether.bridge.reporter import LimitedReporter, Reporter, SilentReporter,
 from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_NODES, DEFAULT_SETTINGS, BoardNodes, BridgeSettings
 from rostether.errors import NodeEndedError, RostetherError, SessionError, TransportError, TransportOpenError
-from rostether.graph.ports import NAME_TAKEN, Graph, JoinGraph, Level
+from rostether.graph.ports import NAME_TAKEN, JoinGraph, Level
 from rostether.mechanisms.backoff import Backoff, wait_for_master
 from rostether.mechanisms.loopback import is_loopback
 from rostether.mechanisms.tasks import cancel_all, start_task
@@ -330,18 +330,16 @@ class Supervisor:
         """Join the graph for a board, and stop serving it when the graph shuts down its node."""
         given = address.ns or device.namespace
         namespace = join_names("/", given or (board.name if self._nodes.ns_per_board else "/"))
-        graph = await self._join_graph(board.name, namespace, {**self._nodes.remappings, **device.remap})
+        remappings = {**self._nodes.remappings, **device.remap}
+        graph = await wait_for_master(
+            lambda: self._join(board.name, namespace=namespace, remappings=remappings),
+            lambda error: self._reporter.report(Level.WARN, f"{error}; waiting for it", node=board.name),
+            max_retry_s=MAX_JOIN_WAIT_S,
+        )
         node = board.node = BoardNode(graph, self._store, self._reporter, self._clock, self._settings, device)
         board.grace_s = device.grace_s
         self._run(self._watch(address, board, node))
         return node
-
-    async def _join_graph(self, name: str, namespace: str, remappings: Mapping[str, str]) -> Graph:
-        return await wait_for_master(
-            lambda: self._join(name, namespace=namespace, remappings=remappings),
-            lambda error: self._reporter.report(Level.WARN, f"{error}; waiting for it", node=name),
-            max_retry_s=MAX_JOIN_WAIT_S,
-        )
 
     def _run(self, work: Awaitable[object]) -> asyncio.Task[None]:
         task = start_task(self._tasks, self._guard(work))
