@@ -30,7 +30,6 @@ from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeLimits, RosbridgeSettings
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
 from rostether.graph.memory_network import MemoryNetwork
-from rostether.graph.ports import Level
 from rostether.graph.typed_graph import TypedGraph
 from rostether.msgdef.registry import Registry
 from rostether.rostime import Time
@@ -215,7 +214,7 @@ def _refuse(constant: str) -> None:
     raise AssertionError(f"{constant} is not JSON")
 
 
-def _tell(level: Level, text: str) -> None:
+def _warn(text: str) -> None:
     assert "\n" not in text
     assert not _NOT_OURS.match(text), text
 
@@ -236,7 +235,7 @@ async def _converse(lines: list[str]) -> None:
         service_types=ServiceTypes(graph, _STORE),
         offered=OfferedServices(graph),
         local_services=Rosapi(graph, _STORE, environ={}),
-        report=_tell,
+        warn=_warn,
     )
     session = Session(_Connection(lines, network), around, "a client")  # type: ignore[arg-type]
     failures: list[dict[str, Any]] = []

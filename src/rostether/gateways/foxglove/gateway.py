@@ -38,7 +38,7 @@ from rostether.gateways.websocket.connection import Connection
 from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ServedProtocol
 from rostether.gateways.websocket.site import Site
-from rostether.graph.ports import Graph, Level
+from rostether.graph.ports import Graph, Level, Report
 from rostether.mechanisms.block_end import BlockClosable
 from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.search_waiting import definitions_searched
@@ -101,7 +101,7 @@ class FoxgloveGateway(BlockClosable):
         *,
         find_service_type: FindServiceType | None = None,
         find_packages: FindPackages | None = None,
-        report: Callable[[Level, str], None] | None = None,
+        report: Report | None = None,
         dashboard: DashboardParts | None = None,
     ) -> None:
         self._parts = parts = dashboard or DashboardParts()

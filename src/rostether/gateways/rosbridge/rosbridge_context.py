@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from msgspec import Struct, field
 
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
-from rostether.graph.ports import Graph, Level
+from rostether.graph.ports import Graph
 from rostether.mechanisms.tasks import start_task
 from rostether.serde.store import TypeStore
 
@@ -27,11 +27,9 @@ _LINGER_S = 10.0
 # The limit of lingering publications; above it, the oldest end early.
 MAX_LINGERING = 1000
 
-Report: TypeAlias = Callable[[Level, str], None]
-
 
 class RosbridgeContext(Struct, eq=False):
-    """The graph and everything that clients share; made by `RosbridgeServer`."""
+    """The graph and everything that clients share; made by `RosbridgeServer`. `warn` reports a warning."""
 
     graph: Graph
     store: TypeStore
@@ -41,7 +39,7 @@ class RosbridgeContext(Struct, eq=False):
     service_types: ServiceTypes
     offered: OfferedServices
     local_services: Rosapi | None
-    report: Report
+    warn: Callable[[str], None]
     _lingering: dict[ClientPublication, asyncio.TimerHandle] = field(default_factory=dict)
     _ending: set[asyncio.Task[None]] = field(default_factory=set)
 

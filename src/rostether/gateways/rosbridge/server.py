@@ -14,7 +14,7 @@ from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.graph_services import AskServer, OfferedServices, ServiceTypes
 from rostether.gateways.rosbridge.message_forms import MessageForms
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
-from rostether.gateways.rosbridge.rosbridge_context import Report, RosbridgeContext
+from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.shared_subscriptions import SharedSubscriptions
@@ -24,7 +24,7 @@ from rostether.gateways.websocket.server import WebSocketServer
 from rostether.gateways.websocket.settings import ServedProtocol
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
-from rostether.graph.ports import Graph, Level, Publisher
+from rostether.graph.ports import Graph, Level, Publisher, Report
 from rostether.mechanisms.rate_limits import LineBudget
 from rostether.mechanisms.text import counted
 from rostether.msgdef.search_waiting import definitions_searched
@@ -59,7 +59,7 @@ class RosbridgeServer:
             service_types=ServiceTypes(graph, store, ask_service_type),
             offered=OfferedServices(graph),
             local_services=local_services,
-            report=report,
+            warn=self._warn,
         )
         # Any peer can cause these lines by connecting repeatedly.
         self._client_lines = LineBudget()
@@ -75,7 +75,7 @@ class RosbridgeServer:
             settings,
             settings.limits,
             self._open_session,
-            lambda text: report(Level.WARN, f"rosbridge: {text}"),
+            self._warn,
         )
 
     @property
@@ -113,8 +113,11 @@ class RosbridgeServer:
 
     async def _end_with_node(self) -> None:
         reason = await self._context.graph.wait_closed()
-        self._report(Level.WARN, f"rosbridge: its node was shut down ({reason}); start it again")
+        self._warn(f"its node was shut down ({reason}); start it again")
         await self._close()
+
+    def _warn(self, text: str) -> None:
+        self._report(Level.WARN, f"rosbridge: {text}")
 
     async def _close(self) -> None:
         await self._server.close()
@@ -154,7 +157,7 @@ class RosbridgeServer:
         if omitted_count is None:
             return
         if omitted_count:
-            self._report(Level.WARN, f"rosbridge: omitted {counted(omitted_count, 'line')} like the next one")
+            self._warn(f"omitted {counted(omitted_count, 'line')} like the next one")
         self._report(Level.INFO, f"{text} ({counted(len(self._clients), 'client')})")
 
     def _publish_count(self) -> None:

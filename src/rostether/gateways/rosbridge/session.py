@@ -42,7 +42,6 @@ from rostether.gateways.rosbridge.settings import (
 from rostether.gateways.rosbridge.values import JsonText, write_json
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
-from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import task_beside
 from rostether.mechanisms.text import counted, fold_line
 
@@ -164,9 +163,8 @@ class Session:
         reason = "this server requires a token; connect to ws://HOST:PORT/?token=TOKEN, or send op auth first"
         await self._connection.send(status_message(StatusLevel.ERROR, reason))
         self._connection.close(_CLOSE_POLICY, reason)
-        self._context.report(
-            Level.WARN,
-            f"rosbridge: {self.name} was disconnected because it did not send the token; give it the token",
+        self._context.warn(
+            f"{self.name} was disconnected because it did not send the token; give it the token"
         )
         return False
 
@@ -208,7 +206,7 @@ class Session:
         if len(self._logged) < MAX_LOGGED and text not in self._logged:
             self._logged.add(text)
             last = "; further errors are sent only to the client" if len(self._logged) == MAX_LOGGED else ""
-            self._context.report(Level.WARN, f"rosbridge: {self.name}: {text}{last}")
+            self._context.warn(f"{self.name}: {text}{last}")
 
     def _send(self, fields: dict[str, Any], delivery: Delivery) -> None:
         values = fields.get("values")
@@ -233,9 +231,7 @@ class Session:
             await self._outbox.wait()
             await self._connection.send(*await self._next_frames())
             await asyncio.sleep(0)
-        self._context.report(
-            Level.WARN, f"rosbridge: {self.name} does not read its responses, and was disconnected"
-        )
+        self._context.warn(f"{self.name} does not read its responses, and was disconnected")
         # An orderly close would wait until the client reads the queued data.
         self._connection.abort()
 
@@ -282,7 +278,7 @@ class Session:
         subscription.next_report_s = now_s + _REPORT_INTERVAL_S
         topic, messages = subscription.topic, counted(lost, "message")
         self._report_status(StatusLevel.WARNING, f"{topic} is too fast for this client: {messages} lost")
-        self._context.report(Level.WARN, f"rosbridge: {self.name} reads {topic} too slowly: {messages} lost")
+        self._context.warn(f"{self.name} reads {topic} too slowly: {messages} lost")
 
 
 def _ignore(_: Request) -> None:
