@@ -14,7 +14,7 @@ from rostether.msgdef.interface import MessageType
 from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
-from rostether.ros2.rclpy.quality import name_policy, publisher_profile
+from rostether.ros2.rclpy.quality import LATCHED_DEPTH, PUBLISHER_DEPTH, name_policy, profile
 from rostether.ros2.types.type_support import MessageSupport
 
 # The time that a closing publisher waits for acknowledgements of its last messages: many round trips.
@@ -64,7 +64,7 @@ class RclpyPublication:
             lambda: self._own.node.create_publisher(
                 type_class,
                 self.topic,
-                publisher_profile(latch=self._latch),
+                profile(LATCHED_DEPTH if self._latch else PUBLISHER_DEPTH, is_latched=self._latch),
                 callback_group=self._own.group,
                 event_callbacks=events,
             ),

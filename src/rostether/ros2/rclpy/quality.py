@@ -42,11 +42,6 @@ class SubscriberQuality(NamedTuple):
     is_latched: bool
 
 
-def publisher_profile(*, latch: bool) -> Any:
-    """Return the profile that a publisher offers."""
-    return _profile(LATCHED_DEPTH if latch else PUBLISHER_DEPTH, is_latched=latch)
-
-
 def subscriber_quality(publishers: Sequence[Any]) -> SubscriberQuality:
     """Return the strictest quality that all publishers (rclpy endpoint infos) offer, reliable for none."""
     return SubscriberQuality(
@@ -55,23 +50,14 @@ def subscriber_quality(publishers: Sequence[Any]) -> SubscriberQuality:
     )
 
 
-def subscriber_profile(quality: SubscriberQuality) -> Any:
-    """Return the profile of a subscriber."""
-    return _profile(SUBSCRIBER_DEPTH, is_reliable=quality.is_reliable, is_latched=quality.is_latched)
-
-
-def service_profile() -> Any:
-    """Return the profile of this node's services and clients: rcl's, with a longer queue."""
-    return _profile(SERVICE_DEPTH)
-
-
 def rosout_profile() -> Any:
     """Return the profile of rcl's publishers of /rosout."""
     lifespan = load_rclpy().duration.Duration(seconds=ROSOUT_LIFESPAN_S)
-    return _profile(ROSOUT_DEPTH, is_latched=True, lifespan=lifespan)
+    return profile(ROSOUT_DEPTH, is_latched=True, lifespan=lifespan)
 
 
-def _profile(depth: int, *, is_reliable: bool = True, is_latched: bool = False, **others: Any) -> Any:
+def profile(depth: int, *, is_reliable: bool = True, is_latched: bool = False, **others: Any) -> Any:
+    """Return a profile of rclpy that keeps the last `depth` messages; `others` are more settings."""
     qos = load_rclpy().qos
     return qos.QoSProfile(
         history=qos.HistoryPolicy.KEEP_LAST,

@@ -21,7 +21,7 @@ from rostether.ros2.rclpy.executor_thread import NoAnswerError, set_result
 from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
-from rostether.ros2.rclpy.quality import service_profile
+from rostether.ros2.rclpy.quality import SERVICE_DEPTH, profile
 from rostether.ros2.types.type_support import ServiceSupport
 
 # The time limit for finding a service: DDS announces it immediately, and again after 3 s if that is lost.
@@ -53,7 +53,7 @@ class RclpyServiceClient:
             f"call {self.service}",
             self._support.name,
             lambda: self._own.node.create_client(
-                type_class, self.service, qos_profile=service_profile(), callback_group=self._own.group
+                type_class, self.service, qos_profile=profile(SERVICE_DEPTH), callback_group=self._own.group
             ),
             lambda: self._own.service_types(self.service),
         )
@@ -178,7 +178,7 @@ class RclpyServiceServer:
                 type_class,
                 self.service,
                 callback,
-                qos_profile=service_profile(),
+                qos_profile=profile(SERVICE_DEPTH),
                 callback_group=self._own.group,
             ),
             lambda: self._own.service_types(self.service),

@@ -25,10 +25,11 @@ from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.quality import (
+    SUBSCRIBER_DEPTH,
     SubscriberQuality,
     name_policy,
+    profile,
     publisher_fields,
-    subscriber_profile,
     subscriber_quality,
 )
 from rostether.ros2.rclpy.view import node_name_of
@@ -187,7 +188,7 @@ class RclpySubscriber:
                 type_class,
                 self.topic,
                 on_message,
-                subscriber_profile(quality),
+                profile(SUBSCRIBER_DEPTH, is_reliable=quality.is_reliable, is_latched=quality.is_latched),
                 callback_group=self._own.group,
                 event_callbacks=self._event_callbacks(),
                 raw=True,
