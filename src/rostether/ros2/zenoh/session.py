@@ -86,20 +86,18 @@ class ZenohSession(SharedSession):
         Raises ConfigError, and MasterUnreachableError if zenoh cannot open it.
         """
         reach = reach or ZenohReach()
-        if await _replaces_router(environment, reach):
-            try:
-                configuration = router_configuration(environment, reach)
-                session = await _open_session(configuration)
-            except MasterUnreachableError:
-                # Another process became the router first.
-                if reach.router is RouterChoice.ALWAYS or not await is_router_there():
-                    raise
-            else:
-                opened = cls(session, environment, types)
-                opened.is_router = True
-                return await opened._start(configuration)
-        configuration = peer_configuration(environment, reach)
-        opened = cls(await _open_session(configuration), environment, types)
+        is_router = await _replaces_router(environment, reach)
+        configuration = (router_configuration if is_router else peer_configuration)(environment, reach)
+        try:
+            session = await _open_session(configuration)
+        except MasterUnreachableError:
+            if not is_router or reach.router is RouterChoice.ALWAYS or not await is_router_there():
+                raise
+            # Another process became the router first.
+            is_router, configuration = False, peer_configuration(environment, reach)
+            session = await _open_session(configuration)
+        opened = cls(session, environment, types)
+        opened.is_router = is_router
         return await opened._start(configuration)
 
     async def join(
