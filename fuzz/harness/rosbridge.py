@@ -50,7 +50,7 @@ LAST_CALL = '{"op":"call_service","service":"/rosapi/get_time","id":"the end"}'
 _MESSAGES: tuple[object, ...] = ({"data": "x"}, {"data": [1, 300]}, {"data": None}, {"x": 1}, [], 5)
 _STORE = TypeStore(Registry())
 _SETTINGS = RosbridgeSettings(limits=RosbridgeLimits(message_bytes=1 << 16))
-_NOT_OURS = re.compile(r"rosbridge: a client: [A-Za-z]*(Error|Exception|Interrupt): ")
+_NOT_OURS = re.compile(r"a client: [A-Za-z]*(Error|Exception|Interrupt): ")
 
 
 def seeds() -> list[bytes]:
