@@ -5,7 +5,11 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from rostether.errors import ConfigError
 
 
 def install_command(extra: str) -> str:
@@ -21,6 +25,15 @@ def install_command(extra: str) -> str:
     if sys.prefix != sys.base_prefix and os.environ.get("VIRTUAL_ENV") != sys.prefix:
         return f"{shlex.quote(sys.executable)} -m pip install {wanted}"
     return f"pip install {wanted}"
+
+
+@contextmanager
+def imported_from(extra: str, problem: str) -> Iterator[None]:
+    """Raise ConfigError with the problem and the command for the extra if an import in the block fails."""
+    try:
+        yield
+    except ImportError:
+        raise ConfigError(f"{problem}; run: {install_command(extra)}") from None
 
 
 def _is_made_by_uv() -> bool:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from rostether.extras import install_command
+from rostether.errors import ConfigError
+from rostether.extras import imported_from, install_command
 
 
 @pytest.fixture
@@ -42,3 +43,11 @@ def test_pipx_is_asked_where_it_brought_us(prefix: Path) -> None:
 def test_uv_installs_into_its_own_environments(prefix: Path) -> None:
     (prefix / "pyvenv.cfg").write_text("home = /usr/bin\nuv = 0.13.9\n")
     assert install_command("zenoh") == (f"uv pip install --python {prefix}/bin/python 'rostether[zenoh]'")
+
+
+def test_a_missing_package_is_reported_with_the_command_for_its_extra() -> None:
+    with (
+        pytest.raises(ConfigError, match=r"GPS needs another package; run: .*'rostether\[gps\]'"),
+        imported_from("gps", "GPS needs another package"),
+    ):
+        raise ImportError("no module")

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 from msgspec import Struct
 
 from rostether.errors import ConfigError, RecordingError
-from rostether.extras import install_command
+from rostether.extras import imported_from
 
 Buffer: TypeAlias = bytes | memoryview
 
@@ -174,17 +174,13 @@ def _reader(name: str, data: Buffer) -> Callable[[int], bytes]:
 
 
 def _lz4_frame() -> Any:
-    try:
+    with imported_from("recording", "LZ4 is not installed"):
         import lz4.frame
-    except ImportError:
-        raise ConfigError(f"LZ4 is not installed; run: {install_command('recording')}") from None
     return lz4.frame
 
 
 def zstandard_package() -> Any:
     """Return `zstandard`. Raises ConfigError if it is not installed."""
-    try:
+    with imported_from("recording", "Zstandard is not installed"):
         import zstandard
-    except ImportError:
-        raise ConfigError(f"Zstandard is not installed; run: {install_command('recording')}") from None
     return zstandard

@@ -8,7 +8,7 @@ from typing import Any
 from msgspec import Struct
 
 from rostether.errors import ConfigError, SensorError
-from rostether.extras import install_command
+from rostether.extras import imported_from, install_command
 from rostether.mechanisms.text import first_line
 from rostether.platform.sensors.jpeg import DEFAULT_QUALITY
 
@@ -82,10 +82,8 @@ class CascadeDetector:
 
 def _opencv() -> Any:
     """Return the module `cv2`. Raises ConfigError if it is not installed, or has no cascades."""
-    try:
+    with imported_from("detection", "~classifier needs OpenCV"):
         import cv2
-    except ImportError:
-        raise ConfigError(f"~classifier needs OpenCV; run: {install_command('detection')}") from None
     # OpenCV 5 has moved them to its extra modules.
     if not hasattr(cv2, "CascadeClassifier"):
         raise ConfigError(

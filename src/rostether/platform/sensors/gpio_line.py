@@ -8,8 +8,8 @@ from typing import Any
 
 from msgspec import Struct
 
-from rostether.errors import ConfigError, SensorError
-from rostether.extras import install_command
+from rostether.errors import SensorError
+from rostether.extras import imported_from
 from rostether.mechanisms.tasks import occurs_within
 
 # The interval for a line that does not change.
@@ -64,8 +64,6 @@ class GpioLine(Struct, frozen=True):
 
 def gpio_package() -> Any:
     """Return the package `gpiod`. Raises ConfigError if it is not installed."""
-    try:
+    with imported_from("gpio", "GPIO lines need another package"):
         import gpiod
-    except ImportError:
-        raise ConfigError(f"GPIO lines need another package; run: {install_command('gpio')}") from None
     return gpiod

@@ -11,8 +11,8 @@ from typing import Any
 
 from msgspec import Struct
 
-from rostether.errors import ConfigError, SensorError
-from rostether.extras import install_command
+from rostether.errors import SensorError
+from rostether.extras import imported_from
 
 DEFAULT_QUALITY = 80
 
@@ -34,12 +34,8 @@ class PictureChange(Struct, frozen=True):
 
 def pillow() -> Any:
     """Return the module `PIL.Image`. Raises ConfigError if Pillow is not installed."""
-    try:
+    with imported_from("camera", "test pictures and changes to pictures need Pillow"):
         from PIL import Image
-    except ImportError:
-        raise ConfigError(
-            f"test pictures and changes to pictures need Pillow; run: {install_command('camera')}"
-        ) from None
     return Image
 
 

@@ -7,8 +7,7 @@ from typing import Any
 
 from msgspec import Struct
 
-from rostether.errors import ConfigError
-from rostether.extras import install_command
+from rostether.extras import imported_from
 
 # NMEA 0183 allows 82; receivers send longer ones.
 MAX_LINE_BYTES = 1024
@@ -128,8 +127,6 @@ def _number(field: object) -> float:
 
 def _nmea_package() -> Any:
     """Return the package `pynmea2`. Raises ConfigError if it is not installed."""
-    try:
+    with imported_from("gps", "GPS needs another package"):
         import pynmea2
-    except ImportError:
-        raise ConfigError(f"GPS needs another package; run: {install_command('gps')}") from None
     return pynmea2

@@ -11,8 +11,8 @@ from typing import Any
 
 from msgspec.structs import replace
 
-from rostether.errors import ConfigError, SensorError
-from rostether.extras import install_command
+from rostether.errors import SensorError
+from rostether.extras import imported_from
 from rostether.platform.sensors.jpeg import PictureChange, changed_jpeg, jpeg_of_yuyv, pillow
 
 # A USB camera needs up to 2 s for its first picture.
@@ -98,10 +98,8 @@ class V4l2Camera:
 
 
 def _video_package() -> Any:
-    try:
+    with imported_from("camera", "cameras need another package"):
         from linuxpy.video import device
-    except ImportError:
-        raise ConfigError(f"cameras need another package; run: {install_command('camera')}") from None
     # The package logs a warning for each picture that is dropped.
     logging.getLogger("linuxpy").setLevel(logging.ERROR)
     return device

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rostether.errors import ConfigError, RecordingError
-from rostether.extras import install_command
+from rostether.errors import RecordingError
+from rostether.extras import imported_from
 from rostether.mechanisms.text import fold_line, write_failure
 from rostether.recording.export.columns import Column
 from rostether.recording.export.tables import TIME_COLUMNS, nested
@@ -24,11 +24,9 @@ _NUMBERS = {"byte": "int8", "char": "uint8", "bool": "bool_"}
 
 def parquet_package() -> Any:
     """Return `pyarrow` with `pyarrow.parquet`. Raises ConfigError if it is not installed."""
-    try:
+    with imported_from("parquet", "Parquet support is not installed"):
         import pyarrow
         import pyarrow.parquet
-    except ImportError:
-        raise ConfigError(f"Parquet support is not installed; run: {install_command('parquet')}") from None
     return pyarrow
 
 
