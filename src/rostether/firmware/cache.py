@@ -20,6 +20,7 @@ from typing import Any
 
 from rostether.errors import FirmwareError
 from rostether.mechanisms.user_folders import FolderKind, user_folder
+from rostether.mechanisms.whole_file import sync_file
 
 # The objects of a core need 1 MB for each board, those of a sketch about 300 KB.
 MAX_CACHE_BYTES = 256 * 1024 * 1024
@@ -74,6 +75,9 @@ class BuildCache:
         target = self.path(kind, key, "")
         with self.scratch(kind) as folder:
             yield folder
+            for path in folder.rglob("*"):
+                if path.is_file():
+                    sync_file(path)
             # If another build was faster, its files are the same.
             with contextlib.suppress(OSError):
                 target.parent.mkdir(exist_ok=True)

@@ -70,3 +70,14 @@ def store_state(path: Path, values: Mapping[str, Any], *, is_durable: bool = Fal
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({"format": _FORMAT, **values}, indent=1) + "\n"
     write_whole(path, text.encode(), is_durable=is_durable)
+
+
+def sync_file(path: Path) -> None:
+    """Write the content of a file to the disk, so that it is complete after a power cut.
+
+    Without this, a file that is renamed soon after it was written may be empty then. Like `write_whole`, this
+    can take seconds.
+    """
+    # Windows cannot sync a file that is open for reading.
+    with path.open("rb") as file, suppress(OSError):
+        os.fsync(file.fileno())

@@ -77,6 +77,21 @@ def test_the_first_of_two_equal_entries_stays(cache: BuildCache) -> None:
     assert [each.name for each in cache.folder.rglob("*") if each.name.startswith(".")] == []
 
 
+def test_files_are_on_the_disk_before_they_are_found(
+    cache: BuildCache, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    synced: list[str] = []
+    monkeypatch.setattr(
+        os, "fsync", lambda file: synced.append(Path(f"/proc/self/fd/{file}").readlink().name)
+    )
+    with cache.filling("objects", "0" * 32) as folder:
+        (folder / "deep").mkdir()
+        for name in ("a.o", "deep/b.h"):
+            (folder / name).write_text("content")
+        assert synced == []
+    assert sorted(synced) == ["a.o", "b.h"]
+
+
 def test_a_failed_block_stores_nothing(cache: BuildCache) -> None:
     with pytest.raises(KeyError), cache.filling("objects", digest("x")) as folder:
         (folder / "unit.o").write_text("half")

@@ -16,6 +16,7 @@ from pathlib import Path
 from rostether.errors import BoardError, first_error
 from rostether.mechanisms.program import run_program
 from rostether.mechanisms.user_folders import FolderKind, user_folder
+from rostether.mechanisms.whole_file import sync_file
 
 SOURCES = Path(__file__).parent / "runner"
 PACKAGES = "gcc libsimavr-dev libelf-dev"
@@ -88,6 +89,7 @@ async def _compile(compiler: str, sources: Sequence[Path], fresh: str, program: 
     except BaseExceptionGroup as failures:
         raise first_error(failures) from None
     await _run((compiler, *objects, "-o", f"{fresh}/{_NAME}", *LIBRARIES), limit)
+    await asyncio.to_thread(sync_file, Path(fresh, _NAME))
     # Replaces the program in one step, so that no process starts an incomplete one.
     os.replace(f"{fresh}/{_NAME}", program)  # noqa: PTH105
 
