@@ -21,6 +21,7 @@ from rostether.cli.bag.recording_files import (
     storage_option,
     warn_of_damage,
 )
+from rostether.cli.shell.interrupts import cleaning_up
 from rostether.cli.shell.option_group import DURATION, PATH, add_option
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import verb
@@ -58,6 +59,7 @@ _SHOWN_TOPICS = 10
 @format_option
 @storage_option
 @msg_path_option
+@cleaning_up()
 def bag_convert(
     source: Path, target: Path, compression: str, form: str | None, storage: str, msg_paths: tuple[Path, ...]
 ) -> None:
@@ -96,6 +98,7 @@ def bag_convert(
 @click.argument("target", type=PATH)
 @click.argument("expression")
 @add_option("-p --print shown EXPRESSION", "Also print this expression for each message.")
+@cleaning_up()
 def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -> None:
     """Write the messages of SOURCE for which EXPRESSION is true to TARGET, with their times.
 
@@ -162,6 +165,7 @@ def bag_filter(source: Path, target: Path, expression: str, shown: str | None) -
     default=60.0,
 )
 @add_option("-t --topic topics TOPIC", "Only this topic; * matches anything.", multiple=True)
+@cleaning_up()
 def bag_cut(
     sources: tuple[Path, ...], target: Path, start: str, duration: float, topics: tuple[str, ...]
 ) -> None:

@@ -12,6 +12,7 @@ import click
 
 from rostether.cli.bag.recording_files import create_folder, warn_of_damage
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.interrupts import cleaning_up
 from rostether.cli.shell.option_group import PATH, argument, option, option_group
 from rostether.cli.shell.output import discard_output, warn, write_line
 from rostether.cli.shell.verbs import verb
@@ -60,6 +61,7 @@ class ExportOptions:
     """,
 )
 @option_group("options", ExportOptions)
+@cleaning_up()
 def export(options: ExportOptions) -> int:
     """Write the messages of RECORDING as tables: one table per topic, one row per message.
 

@@ -12,6 +12,7 @@ from rostether.cli.access.options import msg_path_option
 from rostether.cli.bag.formatting import size_text
 from rostether.cli.bag.recording_files import create_folder
 from rostether.cli.shell.failures import EXIT_DONE, EXIT_FAILED
+from rostether.cli.shell.interrupts import cleaning_up
 from rostether.cli.shell.option_group import PATH, add_flag, argument, flag, option, option_group
 from rostether.cli.shell.output import write_line
 from rostether.cli.shell.verbs import verb
@@ -90,6 +91,7 @@ def new_paths(path: Path, options: RepackOptions) -> tuple[Path, Path | None]:
 @add_flag("-j --bz2", "Use bz2 (the default for .bag files).")
 @add_flag("--lz4", "Use LZ4: larger, but much faster to read.")
 @option_group("options", RepackOptions)
+@cleaning_up()
 def bag_compress(options: RepackOptions, bz2: bool, lz4: bool) -> None:
     """Compress recordings with bz2 or LZ4. The original file is kept as NAME.orig.bag."""
     if bz2 and lz4:
@@ -105,6 +107,7 @@ def bag_compress(options: RepackOptions, bz2: bool, lz4: bool) -> None:
     "rostether bag decompress drive.bag",
 )
 @option_group("options", RepackOptions)
+@cleaning_up()
 def bag_decompress(options: RepackOptions) -> None:
     """Decompress recordings. The original file is kept as NAME.orig.bag."""
     for path in options.files:
@@ -138,6 +141,7 @@ def _size_bytes(path: Path) -> int:
     """,
 )
 @option_group("options", RepackOptions)
+@cleaning_up()
 def bag_reindex(options: RepackOptions) -> None:
     """Repair recordings that are truncated or damaged: keep every complete message.
 

@@ -11,6 +11,7 @@ from collections.abc import Callable
 
 import click
 
+from rostether.cli.shell.interrupts import TerminatedError
 from rostether.errors import RostetherError, first_error
 from rostether.mechanisms.text import fold_line
 
@@ -35,7 +36,7 @@ def exit_code_of(command: Callable[[], object]) -> int:
         code = command()
     except (KeyboardInterrupt, click.Abort):
         return EXIT_INTERRUPTED
-    except click.exceptions.Exit as ending:
+    except (click.exceptions.Exit, TerminatedError) as ending:
         return ending.exit_code
     except SystemExit:
         # click raises this when the reader of its help closes the pipe (`--help | head`).

@@ -7,6 +7,7 @@ import os
 import pty
 import re
 import select
+import signal
 import subprocess
 import termios
 from datetime import datetime
@@ -22,6 +23,7 @@ from rostether.recording.bag.reader import BagReader
 from rostether.rostime import NS_PER_S
 from unit.cli.command_shell import LiveGraph, Shell
 from unit.recording.bags import START_NS, STRING, text, write_bag
+from waiting import until
 
 
 @pytest.fixture
@@ -131,6 +133,30 @@ def test_copies_and_playback_of_a_damaged_recording_name_the_damage(
     # A recording in progress has no index yet, and is not damaged.
     active = bag.rename(f"{bag}.active")
     assert shell("bag", "cut", str(active), "-o", target, *since).err == ""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("bag", "convert", "a.bag", "b.mcap"),
+        ("bag", "compress", "--output-dir", "b", "a.bag"),
+        ("export", "a.bag", "-o", "b.csv", "-t", "/a"),
+    ],
+)
+async def test_a_signal_leaves_no_incomplete_file(tmp_path: Path, words: tuple[str, ...]) -> None:
+    write_bag(tmp_path / "a.bag", 100_000, chunk_bytes=100_000)
+
+    def new_files() -> list[Path]:
+        return [each for each in tmp_path.rglob("*") if each.is_file() and each.name != "a.bag"]
+
+    # A shell that starts a command in the background may ignore SIGHUP.
+    command = subprocess.Popen(
+        [*ROSTETHER, *words], cwd=tmp_path, preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    )
+    await until(lambda: any(each.stat().st_size for each in new_files()), "the new file")
+    command.send_signal(signal.SIGHUP)
+    assert command.wait(60) == 128 + signal.SIGHUP
+    assert new_files() == []
 
 
 def test_what_makes_no_sense_is_reported(tmp_path: Path, bag: Path, shell: Shell) -> None:
