@@ -63,7 +63,8 @@ def unresolved_includes(
             if resolved is None:
                 found.setdefault(path, Include(path, f"{file}:{line}"))
                 continue
-            for each in (resolved, *_implementations(resolved)):
+            implementations = map(resolved.with_suffix, _IMPLEMENTATIONS)
+            for each in (resolved, *filter(Path.is_file, implementations)):
                 if each not in seen:
                     seen.add(each)
                     waiting.append(each)
@@ -124,9 +125,3 @@ def _resolve(path: str, roots: Iterable[Path]) -> Path | None:
         if candidate.is_file():
             return Path(os.path.normpath(candidate))
     return None
-
-
-def _implementations(header: Path) -> Iterator[Path]:
-    for suffix in _IMPLEMENTATIONS:
-        if (candidate := header.with_suffix(suffix)).is_file():
-            yield candidate

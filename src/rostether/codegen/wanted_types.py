@@ -48,7 +48,8 @@ def types_of_packages(index: TypeIndex, packages: Iterable[str]) -> WantedTypes:
             reason = explain_unknown(index.registry, Kind.MESSAGE, package, short_name)
         else:
             names = {*index.registry.messages(package), *index.registry.services(package)}
-            reason = _explain_package(index, package)
+            meant = did_you_mean(package, index.registry.packages(), then=" Otherwise, ")
+            reason = f"no package {package!r} is known; {meant}give its folder with --msg-path DIR"
         if not names:
             raise UnknownTypeError(reason)
         wanted.names |= names
@@ -97,8 +98,3 @@ def _explain_include(
         wanted.missing.append(f"{include.location}: {reason}")
     elif short_name[0].isupper() and package[0].islower():
         wanted.doubtful.append(f"{include.location}: if <{include.path}> is a message: {reason}")
-
-
-def _explain_package(index: TypeIndex, package: str) -> str:
-    meant = did_you_mean(package, index.registry.packages(), then=" Otherwise, ")
-    return f"no package {package!r} is known; {meant}give its folder with --msg-path DIR"
