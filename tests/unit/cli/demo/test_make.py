@@ -26,4 +26,5 @@ def test_an_interrupted_demo_is_not_an_error_of_make(status: int, made: int, tmp
     )
     assert run.returncode == made
     assert ("Error 3" in run.stderr) == (status == 3)
-    assert "130" not in run.stderr
+    # The path of the temporary folder may contain the number alone.
+    assert "Error 130" not in run.stderr
