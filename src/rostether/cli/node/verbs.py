@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import click
 
@@ -15,12 +15,22 @@ from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
 
 if TYPE_CHECKING:
-    from rostether.cli.node.ros1_nodes import Ros1Nodes
-    from rostether.cli.node.ros2_nodes import Ros2Nodes
     from rostether.ros1.environment import RosEnvironment
 
 
-def nodes_of(graph: GraphOptions) -> Ros1Nodes | Ros2Nodes:
+class Nodes(Protocol):
+    """The nodes of one graph. Each method is a whole command; it raises RostetherError or UsageError."""
+
+    async def list_nodes(
+        self, namespace: str, *, uris_only: bool, with_uris: bool, count_nodes: bool, as_json: bool
+    ) -> None:
+        """Print the nodes."""
+
+    async def info(self, names: tuple[str, ...], *, quiet: bool, with_hidden: bool, as_json: bool) -> None:
+        """Print what nodes publish, subscribe to and serve."""
+
+
+def nodes_of(graph: GraphOptions) -> Nodes:
     """Return the nodes of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.node.ros1_nodes import Ros1Nodes

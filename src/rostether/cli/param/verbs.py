@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Coroutine
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import click
 
@@ -15,15 +15,36 @@ from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
 
-if TYPE_CHECKING:
-    from rostether.cli.param.ros1_params import Ros1Params
-    from rostether.cli.param.ros2_params import Ros2Params
-
 # `param set /x -5` sets minus five.
 _NEGATIVE_NUMBERS = {"ignore_unknown_options": True}
 
 
-def params_of(graph: GraphOptions) -> Ros1Params | Ros2Params:
+class Params(Protocol):
+    """The parameters of one graph. Each method is a whole command; it raises RostetherError or UsageError.
+
+    A parameter of ROS 2 is given as a node and a name, or as both in one full name.
+    """
+
+    async def list_params(self, wanted: ParamListing) -> None:
+        """Print the names of parameters."""
+
+    async def get(self, name: str, parameter: str | None, options: GetOptions) -> None:
+        """Print a parameter."""
+
+    def set_param(self, words: tuple[str, ...], options: SetOptions) -> Coroutine[Any, Any, None]:
+        """Set a parameter; `words` are NAME VALUE, or with ROS 2 NODE NAME VALUE."""
+
+    async def delete(self, name: str, parameter: str | None, *, verbose: bool) -> None:
+        """Delete a parameter."""
+
+    async def dump(self, file: Path | None, namespace: str, /, *, verbose: bool) -> None:
+        """Write parameters as YAML; with ROS 2, `file` is the node."""
+
+    def load(self, file: Path, namespace: str, /, *, verbose: bool) -> Coroutine[Any, Any, None]:
+        """Set the parameters of a YAML file; with ROS 2, `file` is the node and `namespace` the file."""
+
+
+def params_of(graph: GraphOptions) -> Params:
     """Return the parameters of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.param.ros1_params import Ros1Params

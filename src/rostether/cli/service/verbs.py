@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import click
 
@@ -15,14 +15,35 @@ from rostether.cli.shell.option_group import option_group
 from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import verb
 
-if TYPE_CHECKING:
-    from rostether.cli.service.ros1_services import Ros1Services
-    from rostether.cli.service.ros2_services import Ros2Services
-
 _service_argument = click.argument("service", shell_complete=complete_services)
 
 
-def services_of(graph: GraphOptions) -> Ros1Services | Ros2Services:
+class Services(Protocol):
+    """The services of one graph. Each method is a whole command; it raises RostetherError or UsageError."""
+
+    async def list_services(self, wanted: ServiceListing) -> None:
+        """Print the services."""
+
+    async def type_of(self, service: str) -> None:
+        """Print the type of a service."""
+
+    async def node_of(self, service: str) -> None:
+        """Print the node that offers a service."""
+
+    async def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
+        """Print the names of a service's arguments."""
+
+    async def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
+        """Print a service's type and servers; in ROS 1 also its arguments, in ROS 2 its clients."""
+
+    async def find(self, type_name: str) -> None:
+        """Print the services of a type."""
+
+    async def call(self, service: str, values: tuple[str, ...], options: CallOptions) -> None:
+        """Call a service and print its response."""
+
+
+def services_of(graph: GraphOptions) -> Services:
     """Return the services of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.service.ros1_services import Ros1Services

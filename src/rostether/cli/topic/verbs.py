@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Coroutine
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import click
 
@@ -22,15 +22,35 @@ from rostether.cli.shell.output import json_option
 from rostether.cli.shell.verbs import Verb, verb
 from rostether.cli.topic.options import EchoOptions, PubOptions, TopicListing, hidden_topics_option
 
-if TYPE_CHECKING:
-    from rostether.cli.topic.ros1_topics import Ros1Topics
-    from rostether.cli.topic.ros2_topics import Ros2Topics
-
 # Negative numbers, except -1: this is the option that publishes once.
 _NEGATIVE = re.compile(r"-(?!1$)(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
-def topics_of(graph: GraphOptions) -> Ros1Topics | Ros2Topics:
+class Topics(Protocol):
+    """The topics of one graph. Each method is a whole command; it raises RostetherError or UsageError."""
+
+    async def list_topics(self, wanted: TopicListing) -> None:
+        """Print the topics."""
+
+    async def info(self, topic: str, *, verbose: bool, as_json: bool) -> None:
+        """Print a topic's type, publishers and subscribers."""
+
+    async def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
+        """Print the type of a topic, or of a field in it."""
+
+    async def find(self, type_name: str, *, with_hidden: bool, as_json: bool) -> None:
+        """Print the topics of a type."""
+
+    async def echo(self, topic: str, type_name: str | None, options: EchoOptions) -> None:
+        """Print messages as they arrive."""
+
+    async def publish(
+        self, topic: str, type_name: str, values: tuple[str, ...], file_text: str | None, options: PubOptions
+    ) -> None:
+        """Publish messages."""
+
+
+def topics_of(graph: GraphOptions) -> Topics:
     """Return the topics of the graph that the command line selects."""
     if graph.ros2 is None:
         from rostether.cli.topic.ros1_topics import Ros1Topics
