@@ -19,6 +19,8 @@ _MAX_TILE_BYTES = 2 << 20
 # hundred, without an index about five for each tile of the file; 20 million take a second.
 _MAX_STEPS = 20_000_000
 _STEPS_AT_ONCE = 100_000
+# Python cannot decode SQLite's error when it quotes bytes of a damaged file.
+_DAMAGE = (sqlite3.Error, UnicodeDecodeError)
 _TYPES = {"png": "image/png", "jpg": "image/jpeg", "jpeg": "image/jpeg", "webp": "image/webp"}
 
 
@@ -35,9 +37,10 @@ class MapTiles:
             with closing(self._connect()) as database:
                 found = database.execute("SELECT value FROM metadata WHERE name = 'format'").fetchone()
                 max_zoom = _max_zoom(database)
-        except sqlite3.Error as error:
+        except _DAMAGE as error:
+            reason = "it is damaged" if isinstance(error, UnicodeDecodeError) else error
             raise ConfigError(
-                f"{path} is not a readable .mbtiles file: {error}; give an .mbtiles file with pictures"
+                f"{path} is not a readable .mbtiles file: {reason}; give an .mbtiles file with pictures"
             ) from None
         kind = str(found[0] if found is not None else "png").lower()
         if kind not in _TYPES:
@@ -62,7 +65,7 @@ class MapTiles:
         try:
             with closing(self._connect()) as database:
                 found = database.execute(query, arguments).fetchone()
-        except sqlite3.Error:
+        except _DAMAGE:
             # The memory card was removed; the map stays empty there.
             return None
         # A column of SQLite holds values of any type.

@@ -51,6 +51,16 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
         MapTiles(path)
 
 
+def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
+    path = made(tmp_path / "map.mbtiles")
+    tiles = MapTiles(path)
+    data = path.read_bytes()
+    path.write_bytes(data.replace(b"tabletilestiles", b"tabletil\xffstil\xffs"))
+    with pytest.raises(ConfigError, match=r"not a readable \.mbtiles file: it is damaged; give"):
+        MapTiles(path)
+    assert tiles.read(1, 0, 0) is None
+
+
 def test_a_site_serves_them(tmp_path: Path) -> None:
     site = Site({"index.html": b""}, tiles=MapTiles(made(tmp_path / "map.mbtiles")))
     assert site.is_download("GET", "/tiles/1/0/0?token=a")
