@@ -7,13 +7,13 @@ its own connection in the file if the graph distinguishes publishers (ROS 1).
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from rostether.errors import RecordingError
 from rostether.graph.joint_marks import is_mark
 from rostether.graph.ports import Graph, OnMessages, Snapshot, Subscriber
+from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.background_writer import BackgroundWriter
 from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active, lock_active
@@ -109,8 +109,7 @@ class Recorder:
             if on_started is not None:
                 on_started()
             while not self._ended.is_set():
-                with contextlib.suppress(TimeoutError):
-                    await asyncio.wait_for(self._ended.wait(), FLUSH_PERIOD_S)
+                await occurs_within(self._ended, FLUSH_PERIOD_S)
                 self._flush()
         finally:
             for task in tasks:

@@ -9,6 +9,7 @@ from time import monotonic
 
 from rostether.errors import ConfigError, GraphError
 from rostether.mechanisms.loopback import LOOPBACK, is_loopback
+from rostether.mechanisms.tasks import occurs_within
 from rostether.ros1.admission import ALLOW_ALL, Admission
 from rostether.ros1.environment import format_uri
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits
@@ -93,10 +94,7 @@ class XmlRpcServer:
             connection.close()
         if self._connections:
             self._emptied = asyncio.Event()
-            try:
-                async with asyncio.timeout(_CLOSE_GRACE_S):
-                    await self._emptied.wait()
-            except TimeoutError:
+            if not await occurs_within(self._emptied, _CLOSE_GRACE_S):
                 for connection in list(self._connections):
                     connection.abort()
         for server in servers:

@@ -34,6 +34,7 @@ from rostether.graph.joint_join import JointJoin
 from rostether.graph.ports import JoinGraph, Level, Publisher
 from rostether.mechanisms.anonymous import anonymous_name
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.registry import Registry
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.node import join_ros1
@@ -211,8 +212,7 @@ async def _show_live(facts: DemoFacts, view: DemoView, recent: RecentLines, cont
             controls.send_toggles()
             view.update()
             live.refresh()
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(controls.quit.wait(), REFRESH_S)
+            await occurs_within(controls.quit, REFRESH_S)
 
 
 async def _show_lines(view: DemoView) -> None:

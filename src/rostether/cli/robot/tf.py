@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,7 +27,7 @@ from rostether.cli.shell.option_group import (
 from rostether.cli.shell.output import json_option, paint_frame, warn, write_json, write_line, write_result
 from rostether.cli.shell.verbs import verb
 from rostether.errors import TransformError
-from rostether.mechanisms.tasks import run_until
+from rostether.mechanisms.tasks import occurs_within, run_until
 from rostether.mechanisms.text import escape_line
 from rostether.robot.tf_buffer import TransformBuffer
 from rostether.robot.tf_report import format_transform, frame_facts, frame_tree, frames_as_dot
@@ -101,9 +100,7 @@ async def echo(options: EchoOptions, graph: GraphOptions) -> int:
                         reported = problem
                         warn(f"waiting: {problem}")
                     listener.arrived.clear()
-                    with contextlib.suppress(TimeoutError):
-                        async with asyncio.timeout(_POLL_S):
-                            await listener.arrived.wait()
+                    await occurs_within(listener.arrived, _POLL_S)
                     continue
                 write_result(_record(stamped), format_transform(stamped), as_json=options.as_json)
                 shown_count += 1

@@ -16,6 +16,7 @@ from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
 from rostether.gateways.foxglove.settings import FoxgloveLimits
 from rostether.gateways.shared_subscriptions import Batch, SharedSubscription
 from rostether.gateways.websocket.connection import Connection
+from rostether.mechanisms.tasks import occurs_within
 from rostether.mechanisms.text import counted
 from rostether.msgdef.interface import ANY_MD5SUM
 
@@ -120,12 +121,10 @@ class ClientSender:
     async def _wait_for_room(self) -> None:
         while not self.connection.has_room.is_set():
             before = self.connection.unsent_bytes
-            try:
-                await asyncio.wait_for(self.connection.has_room.wait(), _LARGE_STEP_S)
-            except TimeoutError:
-                if self.connection.unsent_bytes > before - _LARGE_STEP_BYTES:
-                    self.abort()
-                    return
+            has_room = await occurs_within(self.connection.has_room, _LARGE_STEP_S)
+            if not has_room and self.connection.unsent_bytes > before - _LARGE_STEP_BYTES:
+                self.abort()
+                return
 
 
 class Subscription:

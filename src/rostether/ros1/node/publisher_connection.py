@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import functools
 import logging
 from collections.abc import Callable, Sequence
@@ -11,6 +10,7 @@ from collections.abc import Callable, Sequence
 from rostether.errors import ConfigError, GraphError, ProtocolError, TransportError, TypeMismatchError
 from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.block_end import closed_at_end
+from rostether.mechanisms.tasks import occurs_within
 from rostether.ros1.tcpros_connection import ConnectionRecord, connect
 from rostether.ros1.xmlrpc_client import XmlRpcClient
 from rostether.tcpros.message_framing import MessageDecoder
@@ -172,8 +172,7 @@ class PublisherLink:
             if connection is None or not self.is_connected:
                 break
             byte_count = connection.record.byte_count
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(connection.lost.wait(), DRAIN_S)
+            await occurs_within(connection.lost, DRAIN_S)
             if connection.record.byte_count == byte_count:
                 break
         await self.close()

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from weakref import WeakValueDictionary
 
 from rostether.graph.flow_control import PublicationFlow, Reader, SubscriberFlow
+from rostether.mechanisms.tasks import occurs_within
 from rostether.ros1.tcpros_connection import CLOSE_GRACE_S, ConnectionRecord, keep_unsent
 from rostether.tcpros.message_framing import measure_oldest
 
@@ -88,10 +89,7 @@ class SubscriberConnection(asyncio.Protocol):
         self._transport.write(b"".join([data for data, _ in self._queue]))
         self._clear()
         self._transport.close()
-        try:
-            async with asyncio.timeout(CLOSE_GRACE_S):
-                await self._lost.wait()
-        except TimeoutError:
+        if not await occurs_within(self._lost, CLOSE_GRACE_S):
             self._transport.abort()
             await self._lost.wait()
 
