@@ -156,7 +156,9 @@ class CallGraph:
             for address, size in hidden:
                 start = address - data.address
                 if 0 <= start < len(content):
-                    content[start : start + size] = bytes(size)
+                    # In a damaged file, a size may be gigabytes.
+                    end = min(start + size, len(content))
+                    content[start:end] = bytes(end - start)
             values |= set(_words(bytes(content)))
         for each in self._elf.symbols:
             if each.section == ".text" and each.kind == DATA:

@@ -1,7 +1,10 @@
 from __future__ import annotations
 
 import re
+import resource
+import struct
 import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -147,6 +150,22 @@ async def test_a_damaged_elf_file_raises_only_firmware_errors(tmp_path: Path) ->
             await measure(broken, uno())
         except FirmwareError as error:
             assert "ELF" in str(error)
+
+
+async def test_the_size_of_a_damaged_symbol_needs_no_memory(tmp_path: Path) -> None:
+    built = await build(tmp_path, SERIAL)
+    table = next(each for each in ElfFile.read(built.elf).symbols if each.name.startswith("_ZTV"))
+    whole, broken = built.elf.read_bytes(), tmp_path / "broken.elf"
+    entry = struct.pack("<II", table.address, table.size)
+    assert entry in whole
+    broken.write_bytes(whole.replace(entry, struct.pack("<II", table.address, 1 << 31)))
+    ended = subprocess.run(
+        [sys.executable, "-m", "rostether", "firmware", "size", str(broken)],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30)),
+        capture_output=True,
+        text=True,
+    )
+    assert (ended.returncode, ended.stderr) == (0, "")
 
 
 async def test_without_debugging_information_names_are_used(tmp_path: Path) -> None:
