@@ -62,6 +62,7 @@ class PublisherConnection(asyncio.Protocol):
         self._loop = asyncio.get_running_loop()
         self._is_paused = False
         self._has_ended = False
+        self._is_turn_due = False
         # Messages for later turns of the loop.
         self._waiting: list[bytes] = []
         # Data that was read before a pause took effect, such as a message right after the header.
@@ -76,7 +77,7 @@ class PublisherConnection(asyncio.Protocol):
         if len(payloads) > TURN_MESSAGES:
             self._waiting = payloads
             self._transport.pause_reading()
-            self._continue()
+            self._pass_on_turn()
         elif payloads:
             self.record.message_count += len(payloads)
             self._on_messages(payloads)
@@ -84,7 +85,7 @@ class PublisherConnection(asyncio.Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """Wake the waiting task, after the messages that wait for their turn."""
         self._has_ended = True
-        if not self._waiting:
+        if not (self._waiting or self._held):
             self.lost.set()
 
     def pause(self) -> None:
@@ -98,7 +99,11 @@ class PublisherConnection(asyncio.Protocol):
         """Read again. Idempotent."""
         if self._is_paused:
             self._is_paused = False
-            self._continue()
+            if self._waiting or self._held:
+                # Not now: a receiver may resume while it handles earlier messages.
+                self._continue_soon()
+            elif not self._transport.is_closing():
+                self._transport.resume_reading()
 
     def _decode(self, data: bytes) -> list[bytes]:
         self.record.byte_count += len(data)
@@ -109,23 +114,32 @@ class PublisherConnection(asyncio.Protocol):
             self._transport.abort()
             return []
 
+    def _continue_soon(self) -> None:
+        if not self._is_turn_due:
+            self._is_turn_due = True
+            self._loop.call_soon(self._continue)
+
     def _continue(self) -> None:
-        """Pass on the messages of one turn, then those of later turns; after the last one, read again."""
+        """Pass on the messages of one turn; after the last turn, read again."""
+        self._is_turn_due = False
         if self._is_paused:
             return
         if self._held and not self._waiting:
             self._waiting = self._decode(b"".join(self._held))
             self._held.clear()
         if self._waiting:
-            payloads = self._waiting[:TURN_MESSAGES]
-            del self._waiting[:TURN_MESSAGES]
-            self.record.message_count += len(payloads)
-            self._on_messages(payloads)
-            self._loop.call_soon(self._continue)
+            self._pass_on_turn()
         elif self._has_ended:
             self.lost.set()
         elif not self._transport.is_closing():
             self._transport.resume_reading()
+
+    def _pass_on_turn(self) -> None:
+        payloads = self._waiting[:TURN_MESSAGES]
+        del self._waiting[:TURN_MESSAGES]
+        self.record.message_count += len(payloads)
+        self._on_messages(payloads)
+        self._continue_soon()
 
     def abort(self) -> None:
         """Close the connection immediately; no message is passed on afterwards."""
