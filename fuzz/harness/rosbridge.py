@@ -21,11 +21,12 @@ from rostether.gateways.rosbridge import client_services, client_topics, fragmen
 from rostether.gateways.rosbridge import rosbridge_context as surroundings
 from rostether.gateways.rosbridge.form_source import Style
 from rostether.gateways.rosbridge.fragments import split_fragments
-from rostether.gateways.rosbridge.graph_services import OfferedServices, ServiceTypes
 from rostether.gateways.rosbridge.message_forms import MessageForms
+from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.png_packing import pack_png
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
+from rostether.gateways.rosbridge.service_types import ServiceTypes
 from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeLimits, RosbridgeSettings
 from rostether.gateways.shared_subscriptions import SharedSubscriptions

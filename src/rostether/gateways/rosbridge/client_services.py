@@ -8,7 +8,7 @@ from typing import Any
 
 from rostether.errors import InvalidNameError, RemoteProtocolError, RostetherError, UnknownNameError
 from rostether.gateways.rosbridge.client_subscription import Delivery
-from rostether.gateways.rosbridge.graph_services import OfferedService
+from rostether.gateways.rosbridge.offered_services import OfferedService
 from rostether.gateways.rosbridge.request import Request, fields_by_name
 from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.settings import MAX_CALLS, MAX_QUEUED_BYTES, MAX_SERVICES, check_allowed

@@ -1,12 +1,8 @@
-"""One client's subscriptions: rate, queue and form of the messages of a topic, and the queues of all topics.
+"""One client's subscription to one topic, with rate, queue and form of its messages.
 
 A client may subscribe to a topic several times with different ids. It gets each message once, according to
 the most demanding subscription. `throttle_rate` without a queue drops messages that come too soon. With a
 queue, messages are sent at that rate.
-
-The client's outbox holds its responses, which come first, and the messages of its topics, in turn. If a topic
-is too fast for the client, its oldest messages are dropped and counted. A client that does not read its
-responses is disconnected. Messages are encoded when they are sent, so a dropped one costs nothing.
 """
 
 from __future__ import annotations
@@ -15,23 +11,17 @@ import asyncio
 from collections import deque
 from collections.abc import Callable
 from enum import StrEnum
-from typing import TypeAlias
 
 from msgspec import Struct
 
 from rostether.errors import RemoteProtocolError, RostetherError
 from rostether.gateways.client_json import show
+from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection, SharedSubscription
 from rostether.gateways.type_names import short_type
-from rostether.gateways.websocket.topic_queues import TopicQueues
 from rostether.msgdef.interface import ANY_TYPE
-
-Frame: TypeAlias = str | bytes
-
-# The limit of waiting statuses; a client that causes more than it reads misses some.
-MAX_STATUSES = 100
 
 # Smaller fragments would be mostly overhead, and a large message would need millions of them.
 MIN_FRAGMENT_BYTES = 32
@@ -94,7 +84,9 @@ def merge(settings: list[Delivery]) -> Delivery:
 class ClientSubscription:
     """A topic that a client subscribes to; `topic` is the name that the client uses."""
 
-    def __init__(self, topic: str, outbox: Outbox, report_error: Callable[[str], None]) -> None:
+    def __init__(
+        self, topic: str, outbox: Outbox[ClientSubscription], report_error: Callable[[str], None]
+    ) -> None:
         self.topic = topic
         self.delivery = Delivery()
         self.dropped_count = 0
@@ -210,71 +202,3 @@ class ClientSubscription:
         throttle_s = self.delivery.throttle_s
         is_on_time = now_s - self._next_s < throttle_s / 2
         self._next_s = (self._next_s if is_on_time else now_s) + throttle_s
-
-
-class Due(Struct, frozen=True):
-    """One message to send now: the payload of `batch` at `index`."""
-
-    subscription: ClientSubscription
-    batch: Batch
-    index: int
-
-
-class Outbox:
-    """The bounded queues of one client."""
-
-    def __init__(self, max_topic_bytes: int, max_control_bytes: int) -> None:
-        # Whether the client has too many unread responses; then nothing more is sent.
-        self.is_overflowing = False
-        self._max_control_bytes = max_control_bytes
-        self._control_bytes = 0
-        self._statuses = 0
-        self._answers: deque[tuple[Frame, bool]] = deque()
-        self._topics = TopicQueues[ClientSubscription, tuple[Batch, int]](max_topic_bytes, _count_drop)
-        self._wakeup = asyncio.Event()
-
-    def answer(self, frame: Frame, *, is_status: bool = False) -> None:
-        """Queue an answer."""
-        if is_status:
-            if self._statuses >= MAX_STATUSES:
-                return
-            self._statuses += 1
-        self._wakeup.set()
-        if self._control_bytes + len(frame) > self._max_control_bytes and self._control_bytes:
-            self.is_overflowing = True
-            return
-        self._control_bytes += len(frame)
-        self._answers.append((frame, is_status))
-
-    def put(self, subscription: ClientSubscription, batch: Batch, index: int, max_messages: int) -> None:
-        """Queue a topic's message; its oldest beyond `max_messages` are dropped."""
-        self._topics.add(subscription, (batch, index), [batch.payloads[index]], max_messages=max_messages)
-        self._wakeup.set()
-
-    def discard(self, subscription: ClientSubscription) -> None:
-        """Discard the waiting messages of a topic."""
-        self._topics.forget(subscription)
-
-    async def wait(self) -> None:
-        """Wait until there may be something to send."""
-        if not (self._answers or self._topics or self.is_overflowing):
-            self._wakeup.clear()
-            await self._wakeup.wait()
-
-    def next(self) -> Frame | Due | None:
-        """Return the next message to send; None if there is none, or if the client must be disconnected."""
-        if self.is_overflowing:
-            return None
-        if self._answers:
-            frame, is_status = self._answers.popleft()
-            self._control_bytes -= len(frame)
-            self._statuses -= is_status
-            return frame
-        if self._topics:
-            subscription, (batch, index), _ = self._topics.pop()
-            return Due(subscription, batch, index)
-        return None
-
-
-def _count_drop(subscription: ClientSubscription) -> None:
-    subscription.dropped_count += 1

@@ -7,7 +7,8 @@ from collections.abc import Callable
 
 from rostether.errors import RemoteProtocolError, TypeMismatchError, UnknownNameError
 from rostether.gateways.rosbridge.client_publication import ClientPublication
-from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Delivery, Outbox
+from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Delivery
+from rostether.gateways.rosbridge.outbox import Outbox
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
 from rostether.gateways.rosbridge.settings import MAX_PUBLICATIONS, MAX_SUBSCRIPTIONS, check_allowed
@@ -21,7 +22,7 @@ class ClientTopics:
     def __init__(
         self,
         context: RosbridgeContext,
-        outbox: Outbox,
+        outbox: Outbox[ClientSubscription],
         report_error: Callable[[str], None],
     ) -> None:
         self._context = context

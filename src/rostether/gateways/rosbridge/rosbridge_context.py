@@ -17,9 +17,10 @@ from rostether.serde.store import TypeStore
 
 if TYPE_CHECKING:
     from rostether.gateways.rosbridge.client_publication import ClientPublication
-    from rostether.gateways.rosbridge.graph_services import OfferedServices, ServiceTypes
     from rostether.gateways.rosbridge.message_forms import MessageForms
+    from rostether.gateways.rosbridge.offered_services import OfferedServices
     from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
+    from rostether.gateways.rosbridge.service_types import ServiceTypes
 
 # As in rosbridge, a topic stays advertised for this time after its client disconnects: pages are reloaded.
 _LINGER_S = 10.0

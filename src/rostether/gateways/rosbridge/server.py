@@ -11,10 +11,11 @@ import contextlib
 
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.form_source import Style
-from rostether.gateways.rosbridge.graph_services import AskServer, OfferedServices, ServiceTypes
 from rostether.gateways.rosbridge.message_forms import MessageForms
+from rostether.gateways.rosbridge.offered_services import OfferedServices
 from rostether.gateways.rosbridge.rosapi.rosapi import Rosapi
 from rostether.gateways.rosbridge.rosbridge_context import RosbridgeContext
+from rostether.gateways.rosbridge.service_types import AskServer, ServiceTypes
 from rostether.gateways.rosbridge.session import Session
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.shared_subscriptions import SharedSubscriptions

@@ -13,24 +13,12 @@ from rostether.errors import RemoteProtocolError, RostetherError
 from rostether.gateways.client_json import show
 from rostether.gateways.rosbridge.client_actions import ClientActions
 from rostether.gateways.rosbridge.client_services import ClientServices
-from rostether.gateways.rosbridge.client_subscription import (
-    ClientSubscription,
-    Compression,
-    Delivery,
-    Due,
-    Frame,
-    Outbox,
-)
+from rostether.gateways.rosbridge.client_subscription import ClientSubscription, Compression, Delivery
 from rostether.gateways.rosbridge.client_topics import ClientTopics
 from rostether.gateways.rosbridge.fragments import Defragmenter, split_fragments
+from rostether.gateways.rosbridge.outbox import Due, Frame, Outbox
 from rostether.gateways.rosbridge.png_packing import pack_png, unpack_png
-from rostether.gateways.rosbridge.request import (
-    DEFAULT_LEVEL,
-    Request,
-    StatusLevel,
-    read_request,
-    status_message,
-)
+from rostether.gateways.rosbridge.request import Request, read_request
 from rostether.gateways.rosbridge.rosauth import authenticates
 from rostether.gateways.rosbridge.settings import (
     GREETING_LIMIT_S,
@@ -39,6 +27,7 @@ from rostether.gateways.rosbridge.settings import (
     OPERATION_LIMIT_S,
     TURN_S,
 )
+from rostether.gateways.rosbridge.status import DEFAULT_LEVEL, StatusLevel, status_message
 from rostether.gateways.rosbridge.values import JsonText, write_json
 from rostether.gateways.websocket.websocket_stream import WebSocketStream
 from rostether.graph.callbacks import report_error
@@ -72,7 +61,7 @@ class Session:
         self.name = name
         self._connection = connection
         self._context = context
-        self._outbox: Outbox = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
+        self._outbox: Outbox[ClientSubscription] = Outbox(MAX_QUEUED_BYTES, MAX_CONTROL_BYTES)
         self._topics = topics = ClientTopics(
             context, self._outbox, lambda text: self._report_error(text, None)
         )
@@ -255,8 +244,8 @@ class Session:
             report_error(f"sending to {self.name}", error)
             self._connection.abort()
 
-    async def _frames(self, due: Due) -> list[Frame]:
-        subscription = due.subscription
+    async def _frames(self, due: Due[ClientSubscription]) -> list[Frame]:
+        subscription = due.receiver
         delivery = subscription.delivery
         try:
             frame = await self._context.forms.published(

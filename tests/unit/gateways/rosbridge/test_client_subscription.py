@@ -8,19 +8,16 @@ import pytest
 from rostether.errors import RemoteProtocolError
 from rostether.gateways.rosbridge.client_subscription import (
     MAX_REQUESTS,
-    MAX_STATUSES,
     MIN_FRAGMENT_BYTES,
     ClientSubscription,
     Compression,
     Delivery,
-    Due,
-    Outbox,
     merge,
 )
+from rostether.gateways.rosbridge.outbox import Due, Outbox
 from rostether.gateways.rosbridge.request import Request
 from rostether.gateways.rosbridge.settings import MAX_QUEUED_MESSAGES
 from rostether.gateways.shared_subscriptions import Batch, PublisherConnection
-from rostether.gateways.websocket.topic_queues import MESSAGE_COST_BYTES, TURN_BYTES
 from rostether.graph.message_stream import LearnedTypes
 from unit.bridge.virtual_time import on_virtual_time
 
@@ -31,9 +28,9 @@ def delivery(**fields: Any) -> Delivery:
     return Delivery.read(Request({"op": "subscribe", **fields}))
 
 
-def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox, list[str]]:
+def subscription(**fields: Any) -> tuple[ClientSubscription, Outbox[ClientSubscription], list[str]]:
     errors: list[str] = []
-    outbox = Outbox(1 << 20, 1 << 20)
+    outbox = Outbox[ClientSubscription](1 << 20, 1 << 20)
     made = ClientSubscription("/a", outbox, errors.append)
     made.add_request(None, delivery(**fields), str(fields.get("type", "")))
     return made, outbox, errors
@@ -43,7 +40,7 @@ def take(made: ClientSubscription, *payloads: bytes) -> None:
     made.enqueue(Batch(STRING, payloads))
 
 
-def sent(outbox: Outbox) -> list[bytes]:
+def sent(outbox: Outbox[ClientSubscription]) -> list[bytes]:
     found = []
     while isinstance(item := outbox.next(), Due):
         found.append(item.batch.payloads[item.index])
@@ -146,98 +143,3 @@ async def test_another_type_is_refused_once() -> None:
     take(made, b"2")
     assert sent(outbox) == []
     assert errors == ["subscribe: /a: its type is std_msgs/String, not std_msgs/msg/Int32"]
-
-
-def topics(outbox: Outbox, count: int) -> list[ClientSubscription]:
-    return [ClientSubscription(f"/topic_{number}", outbox, print) for number in range(count)]
-
-
-def put(outbox: Outbox, topic: ClientSubscription, *payloads: bytes, max_messages: int = 1000) -> None:
-    whole = Batch(STRING, payloads)
-    for index in range(len(payloads)):
-        outbox.put(topic, whole, index, max_messages)
-
-
-def drain(outbox: Outbox) -> list[str | bytes]:
-    """Return everything that waits: answers as they are, messages as their payloads."""
-    found: list[str | bytes] = []
-    while (item := outbox.next()) is not None:
-        found.append(item.batch.payloads[item.index] if isinstance(item, Due) else item)
-    return found
-
-
-def test_answers_leave_in_their_order_before_messages_and_topics_in_turn() -> None:
-    outbox = Outbox(1_000_000, 1000)
-    first, second = topics(outbox, 2)
-    image = bytes(TURN_BYTES)
-    put(outbox, first, image, b"2")
-    outbox.answer("a")
-    put(outbox, second, b"1")
-    outbox.answer("b")
-    assert drain(outbox) == ["a", "b", image, b"1", b"2"]
-
-
-def test_a_full_topic_loses_its_oldest_and_no_other_topic_does() -> None:
-    outbox = Outbox(1000, 1000)
-    fast, slow = topics(outbox, 2)
-    put(outbox, slow, b"s")
-    put(outbox, fast, b"1", b"2", b"3", b"4", max_messages=2)
-    put(outbox, slow, b"t")
-    assert drain(outbox) == [b"s", b"t", b"3", b"4"]
-    assert (fast.dropped_count, slow.dropped_count) == (2, 0)
-
-
-def test_bytes_are_bounded_and_one_message_is_always_kept() -> None:
-    outbox = Outbox(10 * MESSAGE_COST_BYTES, 1000)
-    [topic] = topics(outbox, 1)
-    put(outbox, topic, *(b"%d" % digit for digit in range(9)))
-    put(outbox, topic, b"x" * 5000)
-    assert topic.dropped_count == 9
-    assert drain(outbox) == [b"x" * 5000]
-
-
-def test_a_topic_that_is_discarded_leaves_nothing_behind() -> None:
-    outbox = Outbox(1000, 1000)
-    gone, kept = topics(outbox, 2)
-    put(outbox, gone, b"1", b"2")
-    put(outbox, kept, b"3")
-    outbox.discard(gone)
-    assert drain(outbox) == [b"3"]
-
-
-def test_statuses_beyond_the_bound_are_skipped() -> None:
-    outbox = Outbox(1000, 1 << 20)
-    for number in range(MAX_STATUSES + 10):
-        outbox.answer(str(number), is_status=True)
-    outbox.answer("answer")
-    found = drain(outbox)
-    assert len(found) == MAX_STATUSES + 1
-    assert found[-1] == "answer"
-    outbox.answer("again", is_status=True)
-    assert drain(outbox) == ["again"]
-
-
-def test_a_client_that_leaves_too_many_answers_overflows() -> None:
-    outbox = Outbox(1000, 10)
-    outbox.answer("x" * 100)
-    assert not outbox.is_overflowing
-    outbox.answer("y")
-    assert outbox.is_overflowing
-    assert drain(outbox) == []
-
-
-async def test_waiting_ends_with_what_comes_and_where_nothing_more_is_kept() -> None:
-    outbox = Outbox(1000, 10)
-    [topic] = topics(outbox, 1)
-    waiting = asyncio.ensure_future(outbox.wait())
-    await asyncio.sleep(0)
-    put(outbox, topic, b"1")
-    await waiting
-    assert drain(outbox) == [b"1"]
-    waiting = asyncio.ensure_future(outbox.wait())
-    await asyncio.sleep(0)
-    assert not waiting.done()
-    outbox.answer("x" * 10)
-    outbox.answer("y")
-    await waiting
-    await outbox.wait()

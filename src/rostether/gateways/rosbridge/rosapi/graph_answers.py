@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 from rostether.errors import RostetherError
-from rostether.gateways.rosbridge.graph_services import AskServer
+from rostether.gateways.rosbridge.service_types import AskServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings, matches
 from rostether.gateways.type_names import long_type, short_type
 from rostether.graph.ports import Graph, ServiceEntry, Snapshot

@@ -15,11 +15,11 @@ from msgspec import Struct
 
 from rostether.errors import RostetherError
 from rostether.gateways.rosbridge.form_source import Style
-from rostether.gateways.rosbridge.graph_services import AskServer
 from rostether.gateways.rosbridge.request import fields_by_name
 from rostether.gateways.rosbridge.rosapi.graph_answers import GraphAnswers
 from rostether.gateways.rosbridge.rosapi.parameters import ParameterServices
 from rostether.gateways.rosbridge.rosapi.system import SystemAnswers
+from rostether.gateways.rosbridge.service_types import AskServer
 from rostether.gateways.rosbridge.settings import RosbridgeSettings
 from rostether.gateways.rosbridge.values import JsonForm
 from rostether.gateways.type_names import short_type
