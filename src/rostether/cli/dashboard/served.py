@@ -24,8 +24,9 @@ from rostether.cli.gateway.foxglove import gateway_on, with_ros1_types
 from rostether.cli.gateway.gateways import NodeNaming, Report, joined_as, report_reach
 from rostether.cli.gateway.options import DEFAULT_ADDRESS, Encryption, read_encryption, read_listen_address
 from rostether.cli.shell.output import write_line
+from rostether.dashboard.authority_page import TRUST_PAGE_FILE, authority_files
 from rostether.dashboard.map_tiles import MapTiles
-from rostether.dashboard.page_files import TRUST_PAGE_FILE, authority_files, load_page
+from rostether.dashboard.page_files import load_page
 from rostether.errors import TransportOpenError
 from rostether.gateways.foxglove.settings import DEFAULT_PORT, FoxgloveSettings
 from rostether.gateways.websocket.site import TILES, Site

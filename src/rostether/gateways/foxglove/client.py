@@ -10,12 +10,14 @@ from rostether.errors import InvalidNameError, RemoteProtocolError
 from rostether.gateways.foxglove import client_messages as requests
 from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_parameters import ClientParameters
-from rostether.gateways.foxglove.client_sender import ClientSender, Subscription
-from rostether.gateways.foxglove.client_topics import ClientTopic, DrivenTopic
+from rostether.gateways.foxglove.client_sender import ClientSender
+from rostether.gateways.foxglove.client_topics import ClientTopic
 from rostether.gateways.foxglove.client_work import ClientWork
+from rostether.gateways.foxglove.driven_topic import DrivenTopic
 from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.foxglove.recordings import ClientRecordings
 from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
+from rostether.gateways.foxglove.subscription import Subscription
 from rostether.gateways.websocket.access_rules import Rights
 from rostether.gateways.websocket.connection import Connection
 

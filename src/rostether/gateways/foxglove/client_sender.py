@@ -1,4 +1,4 @@
-"""The messages to one Foxglove client: responses in order, and the messages of its subscriptions.
+"""The messages to one Foxglove client: responses in order, and messages of topics.
 
 Messages of topics bypass the WebSocket library (see `data_outlet.py`).
 """
@@ -8,17 +8,13 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 
-from rostether.errors import RostetherError
 from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.data_outlet import DataOutlet
-from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
-from rostether.gateways.foxglove.server_messages import Channel, StatusLevel
+from rostether.gateways.foxglove.server_messages import StatusLevel
 from rostether.gateways.foxglove.settings import FoxgloveLimits
-from rostether.gateways.shared_subscriptions import Batch, SharedSubscription
 from rostether.gateways.websocket.connection import Connection
 from rostether.mechanisms.tasks import occurs_within
 from rostether.mechanisms.text import counted
-from rostether.msgdef.interface import ANY_MD5SUM
 
 # A client that reads fewer bytes of a large answer in this time is disconnected: the answer occupies memory
 # for which other clients wait.
@@ -125,53 +121,3 @@ class ClientSender:
             if not has_room and self.connection.unsent_bytes > before - _LARGE_STEP_BYTES:
                 self.abort()
                 return
-
-
-class Subscription:
-    """Sends a topic's messages to a client unchanged; `report_error` gets an error of the graph."""
-
-    def __init__(
-        self,
-        subscription_id: int,
-        channel: Channel,
-        context: FoxgloveContext,
-        sender: ClientSender,
-        report_error: Callable[[str], None],
-    ) -> None:
-        self.id = subscription_id
-        self.channel = channel
-        self._context = context
-        self._sender = sender
-        self._report_error = report_error
-        self._md5sums = (channel.type.md5sum, ANY_MD5SUM)
-        self._share: SharedSubscription | None = None
-        self._is_closed = False
-        self._opening = asyncio.ensure_future(self._open())
-
-    async def close(self) -> None:
-        """Unsubscribe; nothing is sent from now on."""
-        self._is_closed = True
-        self._sender.data.forget(self.id)
-        await asyncio.wait([self._opening])
-        if self._share is not None:
-            await self._share.close()
-
-    async def _open(self) -> None:
-        try:
-            self._share = await self._context.shared.subscribe(
-                self.channel.topic,
-                self._send_batch,
-                lambda connection: self._context.channels.check_publisher(self.channel, connection),
-            )
-        except RostetherError as error:
-            self._report_error(f"cannot subscribe to {self.channel.topic}: {error}")
-
-    def _send_batch(self, batch: Batch) -> None:
-        # Clients would decode messages of another type incorrectly.
-        if not self._is_closed and batch.connection.type.md5sum in self._md5sums:
-            self._sender.data.send(
-                self.id,
-                self._context.clock.now_ns(),
-                batch.payloads,
-                is_latched=batch.connection.is_latching,
-            )

@@ -1,23 +1,17 @@
-"""Topics that a client publishes, and command topics that it drives under the lease of `teleop/`."""
+"""A topic that a client publishes on the graph."""
 
 from __future__ import annotations
 
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable
-from contextlib import suppress
 
 from rostether.errors import RostetherError, UnknownTypeError
-from rostether.gateways.foxglove import server_messages as replies
 from rostether.gateways.foxglove.client_messages import ClientChannel
-from rostether.gateways.foxglove.client_sender import ClientSender
 from rostether.gateways.foxglove.encoding import MAX_QUICK_JSON_BYTES, Encoder
-from rostether.gateways.foxglove.foxglove_context import FoxgloveContext
 from rostether.gateways.new_topic import DRAIN_S, wait_for_subscribers
-from rostether.gateways.teleop.teleop import CommandTopic, Teleop
 from rostether.gateways.type_names import short_type
 from rostether.graph.ports import Graph, Publisher
-from rostether.mechanisms.text import fold_line
 from rostether.msgdef.interface import MessageType
 from rostether.msgdef.registry import Registry
 from rostether.serde.codec import Codec
@@ -31,13 +25,6 @@ _MAX_EARLY_BYTES = 32 << 20
 MAX_REPORTED_ERRORS = 20
 
 
-# A display name that fits in a line of the page.
-_MAX_NAME_CHARACTERS = 60
-
-# A command is a Twist or a few values. Longer messages may need a long check; a command must not wait.
-_MAX_COMMAND_BYTES = 1 << 10
-
-
 class ClientTopic:
     """One channel of one client, which it advertises; `report` gets a line for each kind of error, once."""
 
@@ -45,7 +32,7 @@ class ClientTopic:
         self, channel: ClientChannel, graph: Graph, store: TypeStore, report: Callable[[str], None]
     ) -> None:
         self.channel = channel
-        self._report_once = _limited(report)
+        self._report_once = report_once(report)
         self._publisher: Publisher | None = None
         self._encoder: Encoder | None = None
         self._early: deque[bytes] = deque()
@@ -82,7 +69,7 @@ class ClientTopic:
 
     async def _open(self, graph: Graph, store: TypeStore) -> None:
         try:
-            codec, message_type = await _types_of(self.channel, store)
+            codec, message_type = await types_of(self.channel, store)
             encoder = Encoder.of(self.channel.encoding, codec)
             publisher = await graph.advertise(self.channel.topic, message_type)
         except RostetherError as error:
@@ -117,108 +104,7 @@ class ClientTopic:
         self._early.append(payload)
 
 
-class DrivenTopic:
-    """One channel of one client that names a driver, and the driver of its topic.
-
-    `sender` sends the state of the lease to the client, and `warn` reports an error.
-    """
-
-    def __init__(
-        self,
-        channel: ClientChannel,
-        context: FoxgloveContext,
-        teleop: Teleop,
-        sender: ClientSender,
-        warn: Callable[[str], None],
-    ) -> None:
-        driver = fold_line((channel.driver or "")[:_MAX_NAME_CHARACTERS]) or "a page"
-        self.channel = channel
-        self.name = f"{driver} ({sender.connection.peer})"
-        self._context = context
-        self._teleop = teleop
-        self._sender = sender
-        self._warn = warn
-        self._warn_once = _limited(warn)
-        self._topic = ""
-        self._commands: CommandTopic | None = None
-        self._encode: Callable[[bytes], bytes] | None = None
-        self._reported: tuple[str, str] | None = None
-        # The last command that arrived before the topic was open.
-        self._early: bytes | None = None
-        self._has_ended = False
-        self._opening = asyncio.ensure_future(self._open())
-
-    def publish(self, payload: bytes) -> Awaitable[object] | None:
-        """Publish a command, unless another client drives; the client need not wait for anything.
-
-        Of the commands that arrive before the topic is open, only the last one counts, if it is a stop.
-        """
-        if len(payload) > _MAX_COMMAND_BYTES:
-            self._warn_once(
-                f"a command on {self.channel.topic[:200]} may have at most {_MAX_COMMAND_BYTES} bytes, not "
-                f"{len(payload)}"
-            )
-            return None
-        if self._commands is None or self._encode is None:
-            self._early = payload
-            if self._has_ended:
-                self._has_ended = False
-                self._opening = asyncio.ensure_future(self._open())
-            return None
-        try:
-            may_drive = self._commands.command(self, self._encode(payload))
-        except RostetherError as error:
-            self._warn_once(f"a command on {self.channel.topic[:200]} is not published: {error}")
-            return None
-        if not may_drive:
-            self.lease_changed(self._commands.holder)
-        return None
-
-    def lease_changed(self, holder: str) -> None:
-        """Report which client drives now."""
-        state = "free" if not holder else "driving" if holder == self.name else "taken"
-        if self._reported != (state, holder):
-            self._reported = (state, holder)
-            self._sender.send(replies.drive(self.channel.id, state, holder))
-
-    def ended(self, reason: str) -> None:
-        """Report that the topic can no longer be driven."""
-        self._commands = None
-        self._has_ended = True
-        self._warn(
-            f"{self.channel.topic[:200]} is not driven: the node was shut down ({reason}); "
-            "the next command starts it again"
-        )
-
-    async def close(self) -> None:
-        """Leave the topic; the robot stops if this client was moving it."""
-        commands, self._commands = self._commands, None
-        if commands is not None:
-            commands.leave(self)
-        await asyncio.wait([self._opening])
-        if self._topic:
-            await self._teleop.leave(self, self._topic)
-
-    async def _open(self) -> None:
-        try:
-            codec, message_type = await _types_of(self.channel, self._context.store)
-            encode = Encoder.of(self.channel.encoding, codec).encode
-            topic = self._context.graph.resolve(self.channel.topic)
-            commands = await self._teleop.enter(self, topic, message_type, codec)
-        except RostetherError as error:
-            self._warn_once(f"{self.channel.topic[:200]} cannot be driven: {error}")
-            self._has_ended = self._topic != ""
-            return
-        self._topic, self._commands, self._encode = topic, commands, encode
-        self.lease_changed(commands.holder)
-        early, self._early = self._early, None
-        # A stop still counts after a long opening. An old command must not start the robot.
-        with suppress(RostetherError):
-            if early is not None and commands.is_stop(encode(early)):
-                self.publish(early)
-
-
-def _limited(report: Callable[[str], None]) -> Callable[[str], None]:
+def report_once(report: Callable[[str], None]) -> Callable[[str], None]:
     """Return a function that reports each text once, and at most `MAX_REPORTED_ERRORS` texts."""
     reported: set[str] = set()
 
@@ -230,7 +116,7 @@ def _limited(report: Callable[[str], None]) -> Callable[[str], None]:
     return report_new
 
 
-async def _types_of(channel: ClientChannel, store: TypeStore) -> tuple[Codec, MessageType]:
+async def types_of(channel: ClientChannel, store: TypeStore) -> tuple[Codec, MessageType]:
     """Return the type of a channel: the known definition, else the client's.
 
     Raises UnknownTypeError, DefinitionError.

@@ -20,7 +20,8 @@ from websockets.protocol import OPEN
 from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
 
-from rostether.gateways.websocket.incoming_frames import MessageAssembler, PingWatch
+from rostether.gateways.websocket.message_assembler import MessageAssembler
+from rostether.gateways.websocket.ping_watch import PingWatch
 from rostether.gateways.websocket.plain_answer import (
     MAX_METHOD_BYTES,
     PlainAnswer,
