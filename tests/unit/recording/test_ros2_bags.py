@@ -27,7 +27,7 @@ from rostether.recording.ros2.bag_writer import Ros2Bag
 from rostether.recording.ros2.db3_reader import Db3Reader
 from rostether.ros2.types.type_support import Ros2Types
 from rostether.serde.store import TypeStore
-from unit.recording.bags import START_NS, text
+from unit.recording.bags import START_NS, connection, text
 
 JAZZY = get_typestore(Stores.ROS2_JAZZY)
 STORE = TypeStore(Registry())
@@ -389,3 +389,19 @@ def test_a_database_whose_path_is_too_long_for_sqlite_is_reported(tmp_path: Path
     with pytest.raises(RecordingError, match=r"cannot write .*a\.db3"):
         create_recording(folder / "a.db3", form=Form.ROS2)
     assert list(folder.iterdir()) == []
+
+
+def test_a_damaged_time_in_the_index_of_a_database_hides_only_its_message(tmp_path: Path) -> None:
+    path = tmp_path / "a.db3"
+    with closing(create_recording(path, form=Form.ROS2)) as writer:
+        number = writer.add_connection(connection())
+        for index in range(9):
+            writer.write(number, START_NS + index, [text(f"message {index}")])
+    data = path.read_bytes()
+    # The header of an entry (3 bytes, a time of 8 bytes, a row's number of 1 byte), and the time.
+    entry = b"\x03\x06\x01" + (START_NS + 4).to_bytes(8, "big")
+    assert data.count(entry) == 1
+    # The time becomes a text, which comes after all times.
+    path.write_bytes(data.replace(entry, b"\x03\x1d\x01" + entry[3:]))
+    with closing(open_recording(path)) as reader:
+        assert [each.time_ns - START_NS for each in reader.messages()] == [0, 1, 2, 3, 5, 6, 7, 8]

@@ -92,13 +92,16 @@ class Db3Reader:
     ) -> Iterator[RecordedMessage]:
         """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         connections = wanted_connections(self._connections, wanted)
-        query = (
-            "SELECT topic_id, timestamp, data FROM messages"
-            " WHERE timestamp BETWEEN ? AND ? ORDER BY timestamp, id"
-        )
-        span_ns = (-1 << 63 if start_ns is None else start_ns, (1 << 63) - 1 if end_ns is None else end_ns)
+        # Without a limit, a damaged time in the index hides no other message.
+        limits = {"timestamp >= ?": start_ns, "timestamp <= ?": end_ns}
+        given = {condition: time_ns for condition, time_ns in limits.items() if time_ns is not None}
+        query = "SELECT topic_id, timestamp, data FROM messages"
+        if given:
+            query += f" WHERE {' AND '.join(given)}"
         try:
-            for number, time_ns, data in self._database.execute(query, span_ns):
+            for number, time_ns, data in self._database.execute(
+                f"{query} ORDER BY timestamp, id", tuple(given.values())
+            ):
                 connection = connections.get(number)
                 if connection is None or not isinstance(data, bytes) or not isinstance(time_ns, int):
                     continue
