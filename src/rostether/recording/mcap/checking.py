@@ -30,9 +30,10 @@ def faults_of(data: Buffer) -> list[str]:
     """Return the errors, one line each, in the order of the file."""
     check = _Check(data)
     try:
-        check.run()
-    except RecordingError as error:
-        check.report(str(error))
+        try:
+            check.run()
+        except RecordingError as error:
+            check.report(str(error))
     except TooManyFaultsError:
         check.faults.append(f"more errors follow; only the first {MAX_FAULTS} are listed")
     return check.faults

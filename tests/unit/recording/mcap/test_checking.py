@@ -174,3 +174,14 @@ def test_a_time_that_goes_back_is_reported(tmp_path: Path) -> None:
     write_reset(McapWriter(tmp_path / "a.mcap", chunk_bytes=300))
     (fault,) = faults_of((tmp_path / "a.mcap").read_bytes())
     assert fault.startswith("its time goes back once from 1029.00 s to 1.00 s")
+
+
+def test_the_last_error_that_fits_may_end_the_check(ours: bytearray) -> None:
+    _, start, _ = _records(ours, Op.CHUNK)[0]
+    message = struct.Struct("<HIQQ")
+    unknown = (encode_record(Op.MESSAGE, message.pack(100 + each, 0, 0, 0)) for each in range(MAX_FAULTS - 1))
+    faults = faults_of(bytes(ours[: start - 9]) + b"".join(unknown) + bytes([Op.MESSAGE]))
+    assert faults[-2:] == [
+        "it ends within a record",
+        f"more errors follow; only the first {MAX_FAULTS} are listed",
+    ]
