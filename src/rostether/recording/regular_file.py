@@ -84,8 +84,9 @@ class MappedFile:
         If another program shortens the file, or its disk is unplugged, the next access to `view` ends the
         process with SIGBUS. This method reports it, except for large parts.
         """
+        part = self.view[start:end]
         if end - start > MAX_LISTED_BYTES or not hasattr(os, "pread"):
-            return self.view[start:end]
+            return part
         try:
             data = os.pread(self._descriptor, end - start, start)
         except OSError as error:

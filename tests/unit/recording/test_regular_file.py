@@ -45,3 +45,15 @@ def test_a_recording_that_another_program_shortens_is_reported(tmp_path: Path, s
         os.truncate(path, 8192)
         with pytest.raises(RecordingError, match="another program has shortened it"):
             list(messages)
+
+
+def test_reading_after_close_does_not_read_another_file(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+    path.write_bytes(b"abc")
+    file = MappedFile(path)
+    file.close()
+    with (tmp_path / "b").open("wb+") as other:  # It may get the number of the closed file.
+        other.write(b"xyz")
+        other.flush()
+        with pytest.raises(ValueError, match="released"):
+            file.read(0, 3)
