@@ -12,7 +12,8 @@ from firmware.platforms.node_harness import node_harness
 from rostether.errors import BoardError
 from rostether.firmware.opencr_build import build_for_linux
 from rostether.simulation.opencr.board import BLUETOOTH, OpenCrBoard
-from rostether.simulation.opencr.commands import OpenCrNodeBoard, execute
+from rostether.simulation.opencr.commands import execute
+from rostether.simulation.opencr.node_board import OpenCrNodeBoard
 from waiting import until
 
 pytestmark = pytest.mark.gcc

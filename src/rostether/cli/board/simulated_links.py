@@ -61,7 +61,7 @@ async def simulated(
 
     Raises BoardError, ConfigError for unknown boards, FirmwareError for sketches that cannot be built.
     """
-    from rostether.simulation.opencr.commands import OpenCrNodeBoard
+    from rostether.simulation.opencr.node_board import OpenCrNodeBoard
 
     async with AsyncExitStack() as stack:
         names: list[str] = []
