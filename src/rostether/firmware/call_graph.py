@@ -6,7 +6,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
 
-from rostether.firmware.avr_code import PLAIN, UNKNOWN, Op, decode, table_functions
+from rostether.firmware.avr_code import Op, decode
+from rostether.firmware.avr_pointers import PLAIN, UNKNOWN, table_functions
 from rostether.firmware.elf import DATA, FUNCTION, ElfFile, Symbol
 from rostether.firmware.stack_walk import Code, Walk, walk
 

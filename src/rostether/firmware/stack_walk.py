@@ -12,7 +12,8 @@ from itertools import takewhile
 
 from msgspec import Struct, field
 
-from rostether.firmware.avr_code import Instruction, Op, decode, pointer_kind, table_of_jump
+from rostether.firmware.avr_code import Instruction, Op, decode
+from rostether.firmware.avr_pointers import pointer_kind, table_of_jump
 
 # More than the RAM of any AVR; it stops the walk in code that pushes in a loop.
 MAX_DEPTH_BYTES = 65536

@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rostether.firmware.avr_code import Instruction, Op, decode, table_of_jump
+from rostether.firmware.avr_code import Instruction, Op, decode
+from rostether.firmware.avr_pointers import table_of_jump
 
 # A `switch` on an Uno: subi r24, 0x67; sbci r25, 0xFE; movw r30, r24; jmp. The word address is 0x199.
 AVR_GCC_16 = "87569e4ffc010c949101"
