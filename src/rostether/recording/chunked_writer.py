@@ -15,7 +15,7 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
 from rostether.recording.compression import check_compression, compress
-from rostether.recording.regular_file import writing
+from rostether.recording.write_errors import writing
 
 # The size that rosbag uses: it compresses well, and one message is still quick to read.
 DEFAULT_CHUNK_BYTES = 768 * 1024

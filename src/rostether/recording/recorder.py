@@ -18,13 +18,8 @@ from rostether.msgdef.interface import ANY_MESSAGE, ANY_TYPE
 from rostether.recording.background_writer import BackgroundWriter
 from rostether.recording.file_lock import ACTIVE_SUFFIX, FileLock, end_active, lock_active
 from rostether.recording.recorded import Connection, RecordingWriter
-from rostether.recording.recording_plan import (
-    RecordingProgress,
-    RecordLimits,
-    TopicChoice,
-    report_missing,
-    wait_for_time,
-)
+from rostether.recording.recording_plan import RecordingProgress, RecordLimits, TopicChoice
+from rostether.recording.recording_start import report_missing, wait_for_time
 
 # A killed process loses at most this time; each flush of a slow topic costs a chunk's 200 bytes.
 FLUSH_PERIOD_S = 0.5

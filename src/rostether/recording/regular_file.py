@@ -1,7 +1,4 @@
-"""Opens and maps regular files only: opening a FIFO may never return, and devices have no end.
-
-Explains errors of writing.
-"""
+"""Opens and maps regular files only: opening a FIFO may never return, and devices have no end."""
 
 from __future__ import annotations
 
@@ -10,11 +7,10 @@ import mmap
 import os
 import stat
 import weakref
-from collections.abc import Iterator
 from pathlib import Path
 
 from rostether.errors import RecordingError
-from rostether.mechanisms.text import read_failure, write_failure
+from rostether.mechanisms.text import read_failure
 from rostether.recording.compression import MAX_LISTED_BYTES, Buffer
 
 SQLITE_MAGIC = b"SQLite format 3\0"
@@ -51,15 +47,6 @@ def remove_database(path: Path) -> None:
     """Remove a database and its log files, if they exist."""
     for each in (path, *sqlite_logs(path)):
         each.unlink(missing_ok=True)
-
-
-@contextlib.contextmanager
-def writing(path: object, error_type: type[Exception] = OSError) -> Iterator[None]:
-    """Raise RecordingError with the next step if the block, which writes to `path`, raises `error_type`."""
-    try:
-        yield
-    except error_type as error:
-        raise RecordingError(write_failure(path, error)) from None
 
 
 class MappedFile:

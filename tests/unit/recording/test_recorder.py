@@ -177,7 +177,7 @@ async def test_a_latched_message_waits_for_simulated_time(
 
 
 async def test_a_misspelt_topic_is_reported(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.recording.recording_plan.CONNECT_S", 0.0)
+    monkeypatch.setattr("rostether.recording.recording_start.CONNECT_S", 0.0)
     await stage.node.advertise("/ultrasound", STRING)
     task = asyncio.create_task(stage.recorder(TopicChoice(names=("/ultrasonud",))).run())
     async with asyncio.timeout(60):

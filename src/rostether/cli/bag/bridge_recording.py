@@ -80,7 +80,7 @@ async def _record(
     folder: Path, recording: BagRecording, join: JoinGraph, reporter: Reporter, types: Ros2Types | None
 ) -> None:
     from rostether.mechanisms.anonymous import anonymous_name
-    from rostether.mechanisms.backoff import wait_for_master
+    from rostether.mechanisms.waiting import wait_for_master
     from rostether.recording.recorder import Recorder
     from rostether.recording.recording_plan import RecordLimits, TopicChoice
 

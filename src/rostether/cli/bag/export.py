@@ -71,7 +71,7 @@ def export(options: ExportOptions) -> int:
     The exit code is 1 if messages are omitted.
     """
     from rostether.recording.export.exporting import Export
-    from rostether.recording.export.tables import PICTURE_TYPE
+    from rostether.recording.export.picture_table import PICTURE_TYPE
     from rostether.recording.files import open_recording
 
     with closing(open_recording(options.recording)) as reader:
@@ -148,7 +148,7 @@ class _TableFiles:
             return CsvTable(sys.stdout, table.columns)
         path = self.path_of(table)
         if self._format == "pictures":
-            from rostether.recording.export.tables import PictureTable
+            from rostether.recording.export.picture_table import PictureTable
 
             return PictureTable(path)
         create_folder(path.parent)

@@ -1,4 +1,4 @@
-"""Tables that are written row by row: as comma-separated values, or as a folder with one picture a row."""
+"""Tables that are written row by row, and their CSV implementation."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ import base64
 import csv
 import json
 from collections.abc import Callable, Sequence
-from datetime import datetime
 from pathlib import Path
 from typing import Any, Protocol, TextIO
 
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
-from rostether.mechanisms.whole_file import write_whole
 from rostether.recording.export.columns import Column
-from rostether.recording.regular_file import writing
+from rostether.recording.write_errors import writing
 from rostether.rostime import NS_PER_S, Duration, Time
 from rostether.serde.plain_form import clean_text
 from rostether.serde.type_tree import Array, Number, Struct, Text
@@ -25,8 +23,6 @@ _FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 
 # The time columns of a message, before its fields.
 TIME_COLUMNS = ("time_s", "time_ns")
-
-PICTURE_TYPE = "sensor_msgs/CompressedImage"
 
 
 class Table(Protocol):
@@ -86,37 +82,6 @@ class CsvTable:
             raise
         except OSError as error:
             raise RecordingError(write_failure(self._name, error)) from None
-
-
-class PictureTable:
-    """Writes the pictures of sensor_msgs/CompressedImage unchanged as .jpg and .png files."""
-
-    def __init__(self, folder: Path) -> None:
-        """Create the folder. Raises RecordingError."""
-        self._folder = folder
-        self._last = ("", "")
-        self._same_count = 0
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
-
-    def add(self, time_ns: int, message: Message) -> None:
-        """Write a picture. Raises RecordingError."""
-        seconds, nanoseconds = divmod(time_ns, NS_PER_S)
-        extension = "png" if "png" in message.format.lower() else "jpg"
-        stem = f"{datetime.fromtimestamp(seconds):%Y-%m-%d-%H-%M-%S}.{nanoseconds // 1000:06d}"
-        # Several pictures may have one time.
-        self._same_count = self._same_count + 1 if (stem, extension) == self._last else 1
-        self._last = (stem, extension)
-        number = f"-{self._same_count}" if self._same_count > 1 else ""
-        path = self._folder / f"{stem}{number}.{extension}"
-        with writing(path):
-            write_whole(path, message.data)
-
-    def flush(self) -> None:
-        """Do nothing: each picture is written immediately."""
-
-    def close(self) -> None:
-        """Do nothing: each file is complete."""
 
 
 def nested(value: Any, bytes_as: Callable[[bytes], Any]) -> Any:

@@ -8,9 +8,9 @@ from rostether.errors import RecordingError
 from rostether.recording.chunked_writer import DEFAULT_CHUNK_BYTES
 from rostether.recording.compression import NONE
 from rostether.recording.recorded import RecordingWriter
-from rostether.recording.regular_file import writing
 from rostether.recording.ros2.channels import UnfitMessages, distro_of
 from rostether.recording.ros2.metadata import FileFacts, describe, write_metadata
+from rostether.recording.write_errors import writing
 from rostether.ros2.types.type_support import Ros2Types
 
 # The suffix of the files in each storage format of rosbag2.

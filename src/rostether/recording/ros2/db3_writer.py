@@ -13,9 +13,10 @@ from pathlib import Path
 from rostether.errors import RecordingError
 from rostether.mechanisms.text import write_failure
 from rostether.recording.recorded import Connection
-from rostether.recording.regular_file import remove_database, sqlite_logs, writing
+from rostether.recording.regular_file import remove_database, sqlite_logs
 from rostether.recording.ros2.channels import Ros2Channel, Ros2Channels, UnfitMessages, distro_of
 from rostether.recording.ros2.metadata import FileFacts
+from rostether.recording.write_errors import writing
 from rostether.ros2.types.type_support import Ros2Types
 
 SCHEMA_VERSION = 4

@@ -17,8 +17,9 @@ from rostether.errors import RecordingError
 from rostether.mechanisms.text import first_line, read_failure
 from rostether.mechanisms.whole_file import write_whole
 from rostether.recording.recorded import Ros2Origin
-from rostether.recording.regular_file import require_regular_file, writing
+from rostether.recording.regular_file import require_regular_file
 from rostether.recording.ros2_qos import read_profiles
+from rostether.recording.write_errors import writing
 
 FILE_NAME = "metadata.yaml"
 VERSION = 9

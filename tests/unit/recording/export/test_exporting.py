@@ -20,7 +20,8 @@ from rostether.recording.decoding import Decoder
 from rostether.recording.export.columns import columns_of
 from rostether.recording.export.exporting import Export, ExportedTable
 from rostether.recording.export.parquet_table import ParquetTable
-from rostether.recording.export.tables import PICTURE_TYPE, CsvTable, PictureTable
+from rostether.recording.export.picture_table import PICTURE_TYPE, PictureTable
+from rostether.recording.export.tables import CsvTable
 from rostether.recording.recorded import Connection
 from rostether.serde.store import TypeStore
 from unit.recording.bags import START_NS
