@@ -34,9 +34,10 @@ from rostether.bridge.session import Session
 from rostether.bridge.settings import DEFAULT_NODES, DEFAULT_SETTINGS, BoardNodes, BridgeSettings
 from rostether.errors import NodeEndedError, RostetherError, SessionError, TransportError, TransportOpenError
 from rostether.graph.ports import NAME_TAKEN, JoinGraph, Level
-from rostether.mechanisms.backoff import Backoff, wait_for_master
+from rostether.mechanisms.backoff import Backoff
 from rostether.mechanisms.loopback import is_loopback
 from rostether.mechanisms.tasks import cancel_all, start_task
+from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.graph_name import join as join_names
 from rostether.names.graph_name import validate_name
 from rostether.ports.board_identity import BoardIdentity

@@ -1,17 +1,12 @@
-"""Writes files in one step, and keeps a program's state between runs in JSON files."""
+"""Writes files in one step: if it fails, for example on a full disk, the old file is still complete."""
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
-from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any
-
-_FORMAT = 1
 
 
 def write_whole(path: Path, content: bytes, *, is_durable: bool = False, mode: int | None = None) -> None:
@@ -53,23 +48,6 @@ def write_whole(path: Path, content: bytes, *, is_durable: bool = False, mode: i
             os.fsync(folder)
         finally:
             os.close(folder)
-
-
-def load_state(path: Path, max_bytes: int) -> dict[str, Any]:
-    """Return the stored values; none if the file is missing, damaged, too long, or of another format."""
-    try:
-        with path.open("rb") as file:
-            content = json.loads(file.read(max_bytes))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return content if isinstance(content, dict) and content.get("format") == _FORMAT else {}
-
-
-def store_state(path: Path, values: Mapping[str, Any], *, is_durable: bool = False) -> None:
-    """Replace the file in one step, see `write_whole`. Raises OSError."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps({"format": _FORMAT, **values}, indent=1) + "\n"
-    write_whole(path, text.encode(), is_durable=is_durable)
 
 
 def sync_file(path: Path) -> None:

@@ -12,8 +12,8 @@ from typing import Any
 import msgspec
 
 from rostether.errors import ConfigError, InvalidNameError
+from rostether.mechanisms.state_file import load_state, store_state
 from rostether.mechanisms.toml_text import parse_toml, read_toml_text
-from rostether.mechanisms.whole_file import load_state, store_state
 from rostether.names.graph_name import validate_name
 from rostether.platform.sensor_registration import MAX_TEXT_CHARACTERS
 from rostether.platform.sensor_registry import MAX_SENSORS, MESSAGE_TYPES, Sensor

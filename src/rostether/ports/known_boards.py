@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from pathlib import Path
 
-from rostether.mechanisms.whole_file import load_state, store_state
+from rostether.mechanisms.state_file import load_state, store_state
 from rostether.transports.address_parser import MAX_BAUD
 
 # Enough for a workshop; the boards that were seen least recently are removed, and detected again on return.

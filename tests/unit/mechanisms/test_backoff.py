@@ -5,7 +5,8 @@ import asyncio
 import pytest
 
 from rostether.errors import GraphError, MasterUnreachableError
-from rostether.mechanisms.backoff import Backoff, wait_for_master
+from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.waiting import wait_for_master
 
 
 def test_double_up_to_the_limit() -> None:

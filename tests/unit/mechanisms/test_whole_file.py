@@ -12,7 +12,8 @@ import pytest
 
 from rostether.cli.shell.output import write_file
 from rostether.errors import ConfigError
-from rostether.mechanisms.whole_file import load_state, store_state, write_whole
+from rostether.mechanisms.state_file import load_state, store_state
+from rostether.mechanisms.whole_file import write_whole
 
 
 @pytest.fixture

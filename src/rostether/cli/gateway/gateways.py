@@ -19,8 +19,8 @@ from rostether.cli.role.node import node_environment
 from rostether.cli.shell.running import run
 from rostether.errors import ConfigError, GraphError, UnknownNameError
 from rostether.graph.ports import Graph, JoinGraph, Level
-from rostether.mechanisms.backoff import wait_for_master
 from rostether.mechanisms.loopback import is_loopback
+from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.graph_name import canonical, join, validate_name
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import RosEnvironment, parse_rpc_uri

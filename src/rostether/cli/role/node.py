@@ -21,10 +21,10 @@ from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.output import warn, write_line
 from rostether.cli.shell.verbs import Verb
 from rostether.graph.ports import Graph, Level
-from rostether.mechanisms.backoff import wait_for_master
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.tasks import run_until
 from rostether.mechanisms.text import did_you_mean
+from rostether.mechanisms.waiting import wait_for_master
 from rostether.names.remap import Arguments, parse_arguments
 from rostether.ros1.environment import RosEnvironment
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from rostether.errors import ConfigError, MasterUnreachableError, RostetherError
-from rostether.mechanisms.backoff import wait_for_master
 from rostether.mechanisms.loop_thread import LoopThread
+from rostether.mechanisms.waiting import wait_for_master
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node import Ros1Graph, join_ros1

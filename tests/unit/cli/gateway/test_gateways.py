@@ -95,7 +95,7 @@ async def test_it_reports_who_can_connect(place: str, token: str, line: tuple[Le
 
 
 async def test_a_gateway_waits_for_a_missing_master(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rostether.mechanisms.backoff.FIRST_RETRY_S", 0.001)
+    monkeypatch.setattr("rostether.mechanisms.waiting.FIRST_RETRY_S", 0.001)
     log: list[tuple[Level, str]] = []
     away = MasterUnreachableError("the ROS master cannot be reached")
     join = Refusing(away, away, name="page")
