@@ -66,11 +66,13 @@ class Code(Struct, frozen=True):
         inside = range(entry + 2, entry + self.sizes.get(entry, 0), 2)
         table = table_of_jump(self.flash, jump)
         labels = [] if table is None else list(takewhile(inside.__contains__, self._words(table)))
-        return sorted(set(labels or self._words(0, self.tables_end)) & set(inside))
+        # In a damaged file, the size may be gigabytes: a set of the range would fill the memory.
+        return sorted({each for each in labels or self._words(0, self.tables_end) if each in inside})
 
     def _words(self, start: int, end: int | None = None) -> Iterator[int]:
         """Return the code addresses in a part of the flash, as if all of it were a table."""
-        offsets = range(start, len(self.flash) - 1 if end is None else end, 2)
+        last = len(self.flash) - 1
+        offsets = range(start, last if end is None else min(end, last), 2)
         return (2 * int.from_bytes(self.flash[offset : offset + 2], "little") for offset in offsets)
 
 
