@@ -19,7 +19,7 @@ class NewValues:
         self._latest: list[ParamValue] = []
 
     def report(self, value: ParamValue) -> None:
-        """Call back if the value is new, or has a new type, as 1 and True."""
+        """Call back if the value is new, or only its type, as in True after 1."""
         if not self._latest or value != self._latest[0] or type(value) is not type(self._latest[0]):
             self._latest = [value]
             call_safely(f"on_change of parameter {self.name}", self._on_change, value)

@@ -128,12 +128,12 @@ def _result(future: concurrent.futures.Future[_T], timeout_s: float | None) -> _
 
 
 async def run_in_thread(function: Callable[[], _T]) -> _T:
-    """Run a function that may block in a new thread, and wait for its result.
+    """Run a function that may block, in a new thread, and wait for its result.
 
     Each call has its own thread: handlers may wait for each other, and would block a pool.
     """
     outcome: concurrent.futures.Future[_T] = concurrent.futures.Future()
-    # A caller that is canceled does not cancel it: the function goes on.
+    # If the caller is canceled, the function continues.
     outcome.set_running_or_notify_cancel()
 
     def run() -> None:

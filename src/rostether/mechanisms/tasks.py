@@ -1,4 +1,4 @@
-"""Starts tasks in the background, ends work with something else, cancels tasks, and waits for events."""
+"""Starts background tasks, cancels them, runs work until something else ends, and waits for events."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def _joined(lines: list[str]) -> str:
 
 
 def service_of(message_name: str) -> str:
-    """Return the possible service of a message with this name; empty if it can be of none."""
+    """Return the service of which a message with this name may be a part; empty if there is none."""
     for suffix in ("Request", "Response"):
         if message_name.endswith(suffix):
             return message_name.removesuffix(suffix)
@@ -54,7 +54,7 @@ def service_of(message_name: str) -> str:
 
 
 def action_of(message_name: str) -> tuple[str, ...]:
-    """Return the possible actions of a message with this name, the most likely first."""
+    """Return the actions of which a message with this name may be a part, the most likely first."""
     return tuple(
         message_name.removesuffix(suffix)
         for suffix in ACTION_SUFFIXES

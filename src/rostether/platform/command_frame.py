@@ -127,7 +127,7 @@ def decode_frame(datagram: bytes, key: bytes) -> CommandFrame:
 
 
 def encode_forward(address: str, port: int, query: bytes) -> bytes:
-    """Return the payload of a frame with the flag FORWARD. Raises ValueError for a name as address.
+    """Return the payload of a frame with the flag FORWARD. Raises ValueError for a host name.
 
     A forwarded query shows whether two robots reach each other, which an access point may prevent.
 

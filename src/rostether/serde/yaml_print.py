@@ -137,7 +137,7 @@ def quoted_text(text: str) -> str:
 
 
 def string_list(texts: Sequence[str], indent: str) -> str:
-    """Return strings as one line for each, after a newline."""
+    """Return a newline, and the strings as a YAML list with one line for each."""
     import yaml
 
     lines: str = yaml.dump(list(texts))

@@ -84,7 +84,7 @@ class Transport(Protocol):
 
 
 class PausingTransport:
-    """Base class of transports that tell their receiver when to pause writing."""
+    """Base class of transports that pause and resume the writing of their receiver."""
 
     remote: str | None = None
     proof: Proof = NO_PROOF

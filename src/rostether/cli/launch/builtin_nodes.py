@@ -113,7 +113,7 @@ _RVIZ_FILE = {"-d", "--display-config"}
 
 
 def replacement_line(package: str, environ: Mapping[str, str], *, in_terminal: bool = False) -> str | None:
-    """Return the replacement of an rviz or rqt program that is not installed; None for others."""
+    """Return the line about the replacement for an rviz or rqt program, None if it is not needed."""
     if package not in _WINDOWS and not package.startswith("rqt_"):
         return None
     if window_program(package, package, environ) is not None:

@@ -1,4 +1,4 @@
-"""The replacements of catkin_create_pkg, catkin_init_workspace, catkin_make and make_libraries.py."""
+"""Replacements for catkin_create_pkg, catkin_init_workspace, catkin_make and make_libraries.py."""
 
 from __future__ import annotations
 

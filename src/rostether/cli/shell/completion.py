@@ -52,7 +52,7 @@ def completion(shell: str | None) -> None:
 def beginning(names: Iterable[str], typed: str) -> list[str]:
     """Return the names that begin with the typed text, which may omit the first slash, sorted.
 
-    Shells insert a completed word unchanged. A peer may name its node `$(command)`, so only words are offered
-    that mean themselves in every shell.
+    Shells insert a completed word unchanged, and a peer may name its node `$(command)`. Therefore words with
+    characters that a shell would replace are omitted.
     """
     return sorted(name for name in names if name.startswith((typed, f"/{typed}")) and _PLAIN.fullmatch(name))

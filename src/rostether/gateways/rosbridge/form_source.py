@@ -52,7 +52,7 @@ _MANY_NUMBERS: Final = 1 << 12
 
 
 class Style(Enum):
-    """The field names of ROS 1 or ROS 2: the value has those of times."""
+    """Whether fields have the names of ROS 1 or ROS 2; each value has the names of the fields of a time."""
 
     ROS1 = ("secs", "nsecs")
     ROS2 = ("sec", "nanosec")

@@ -15,7 +15,7 @@ MAX_REASONS = 5
 
 
 class Refusals:
-    """Passes on each reason once in `QUIET_S`, and counts the others."""
+    """Reports each reason once in `QUIET_S`, at most MAX_REASONS of them, and counts the omitted reports."""
 
     def __init__(self, report: Callable[[str], None]) -> None:
         self._report = report

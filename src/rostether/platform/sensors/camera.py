@@ -23,7 +23,7 @@ _DETECTIONS_TYPE = "sensing_platform/Detections"
 
 _HINT = "plug the camera in, or choose another ~source, such as test"
 
-# The longest delay before the first picture for a new subscriber.
+# The longest delay before the first picture for a new subscriber; users do not notice it.
 _POLL_S = 0.1
 # The longest wait for a slow subscriber between two pictures: others must get pictures if one hangs.
 _DRAIN_LIMIT_S = 5.0

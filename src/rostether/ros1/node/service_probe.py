@@ -45,7 +45,10 @@ async def probe_type(client: MasterClient, service: str) -> str:
 
 
 async def probe_header(service: str, uri: str, *, caller_id: str) -> dict[str, str]:
-    """Return the connection header of a service. Raises ConfigError for its URI, other RostetherErrors."""
+    """Return the connection header of a service.
+
+    Raises ConfigError for an invalid URI, TransportOpenError, TransportTimeoutError, RemoteProtocolError.
+    """
     found: dict[str, str] = {}
 
     def accept(fields: dict[str, str], transport: asyncio.Transport) -> asyncio.Protocol:

@@ -27,7 +27,7 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
         return default
 
 
-# Asks the master each time, too.
+# Unlike in rospy, nothing is cached: it also asks the master each time.
 get_param_cached = get_param
 
 
