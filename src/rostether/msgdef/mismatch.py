@@ -51,7 +51,7 @@ def explain_mismatch(types: Registry, name: str, md5sum: str) -> str:
     """
     known_type = types.message_type(name)
     start = f"{name}: the device's md5sum {md5sum} is not the known one ({known_type.md5sum})"
-    advice = "rebuild its message headers, or give its definition with --msg-path DIR"
+    advice = "generate its message headers again, or give its definition with --msg-path DIR"
     if known := name_of_md5sum(types, md5sum):
         return f"{start}; it belongs to {known}; {advice}"
     spec = types.message(name)

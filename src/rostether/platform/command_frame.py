@@ -28,6 +28,7 @@ from enum import IntFlag
 import msgspec
 
 from rostether.errors import RemoteProtocolError
+from rostether.mechanisms.text import counted
 from rostether.platform.siphash import KEY_BYTES, TAG_BYTES, siphash_2_4
 
 NO_KEY = bytes(KEY_BYTES)
@@ -102,7 +103,7 @@ def decode_frame(datagram: bytes, key: bytes) -> CommandFrame:
     """Return the frame in a datagram. Raises RemoteProtocolError with the reason."""
     size = len(datagram)
     if size < HEADER_BYTES + TAG_BYTES or size > HEADER_BYTES + MAX_PAYLOAD_BYTES + TAG_BYTES:
-        raise RemoteProtocolError(f"a datagram of {size} bytes is not a framed command")
+        raise RemoteProtocolError(f"a datagram of {counted(size, 'byte')} is not a framed command")
     magic, version, flags, target, epoch_us, sequence, ttl_ms, length, kind = _HEADER.unpack_from(datagram)
     if magic != _MAGIC:
         raise RemoteProtocolError("the datagram is not a framed command")
@@ -144,7 +145,7 @@ def encode_forward(address: str, port: int, query: bytes) -> bytes:
 def decode_forward(payload: bytes, key: bytes) -> tuple[str, int, bytes]:
     """Return address, port and query. Raises RemoteProtocolError for anything that is not a query."""
     if len(payload) < _FORWARD_TARGET.size:
-        raise RemoteProtocolError(f"{len(payload)} bytes are not an address and a query to forward")
+        raise RemoteProtocolError(f"{counted(len(payload), 'byte')} cannot be an address and a query")
     packed, port = _FORWARD_TARGET.unpack_from(payload)
     query = payload[_FORWARD_TARGET.size :]
     # A robot sends nothing else for others: no command, and no bytes of their choice.

@@ -32,6 +32,7 @@ from ipaddress import IPv4Address
 import msgspec
 
 from rostether.errors import RemoteProtocolError
+from rostether.mechanisms.text import counted
 from rostether.platform.command_frame import NO_KEY
 from rostether.platform.siphash import TAG_BYTES, siphash_2_4
 
@@ -113,7 +114,7 @@ class RobotStatus(msgspec.Struct, frozen=True):
 def decode_status(datagram: bytes, key: bytes) -> RobotStatus:
     """Return the status in a datagram. Raises RemoteProtocolError with the reason."""
     if not _MIN_BYTES <= len(datagram) <= _MIN_BYTES + _MAX_HOLDER_BYTES + _HOST.size + _EPOCH.size:
-        raise RemoteProtocolError(f"a datagram of {len(datagram)} bytes is not a status")
+        raise RemoteProtocolError(f"a datagram of {counted(len(datagram), 'byte')} is not a status")
     header = _HEADER.unpack_from(datagram)
     magic, version, state, robot_id, epoch_us, sequence, received, lost, refusal, signal, length = header
     if magic != MAGIC or version != _VERSION:

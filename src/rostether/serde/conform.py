@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rostether.errors import SerializationError
+from rostether.mechanisms.text import counted
 from rostether.rostime import Duration, Time
 from rostether.serde.encoder_source import ENCODE_ERRORS, FLAGS, to_bytes
 from rostether.serde.type_tree import Array, Node, Number, Stamp, Struct, Text
@@ -113,7 +114,7 @@ class Conformer:
         elif not _is_list(value):
             raise self._misfit(path, f"a list ({node.name})", value)
         if node.length is not None and len(items) != node.length:
-            raise self._misfit(path, f"{node.length} elements ({node.name})", len(items))
+            raise self._misfit(path, f"{counted(node.length, 'element')} ({node.name})", len(items))
         if node.max_count is not None and len(items) > node.max_count:
             raise self._misfit(path, f"at most {node.max_count} elements", len(items))
         if isinstance(items, bytes):

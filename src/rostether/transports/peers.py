@@ -230,7 +230,8 @@ class PeerTable(Generic[PeerKey]):
             if len(self._peers) >= self._max_peers:
                 self._make_room()
             if len(self._peers) >= self._max_peers:
-                self.refusals.refuse(self.medium.show(key), f"{self._max_peers} boards are already connected")
+                reason = f"the limit of connected boards ({self._max_peers}) is reached"
+                self.refusals.refuse(self.medium.show(key), reason)
                 return
             peer = self.add(key)
             peer.allowance_bytes -= sent_bytes

@@ -242,9 +242,9 @@ class TcpListener:
 
     def _full_reason(self, host: str) -> str | None:
         if len(self._boards) >= self._max_connections:
-            return f"{self._max_connections} boards are already connected"
+            return f"the limit of connected boards ({self._max_connections}) is reached"
         if self._per_host[host] >= self._max_connections_per_host:
-            return f"{host} already has {self._max_connections_per_host} connections"
+            return f"the limit of connections from one address ({self._max_connections_per_host}) is reached"
         return None
 
     def _admit(self, transport: TcpTransport) -> None:

@@ -224,7 +224,7 @@ async def test_boards_beyond_the_limit_are_refused_and_reported_once(
     lines = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
     assert len(lines) == 1
     assert "refused tcp 127.0.0.1:" in lines[0]
-    assert "2 boards are already connected" in lines[0]
+    assert "the limit of connected boards (2) is reached" in lines[0]
 
 
 async def test_refuse_more_connections_of_one_host_than_its_share() -> None:

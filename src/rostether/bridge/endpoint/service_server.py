@@ -139,7 +139,8 @@ class ServiceServerEndpoint:
             )
         if self._waiting >= self._settings.queued_calls:
             raise ServiceCallError(
-                f"{name}: {self._waiting} calls already wait for the board; try again later"
+                f"{name}: the limit of calls that wait for the board ({self._waiting}) is reached; "
+                "try again later"
             )
         limit_s = self._settings.service_timeout_s
         self._waiting += 1

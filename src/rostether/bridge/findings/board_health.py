@@ -71,9 +71,10 @@ class BoardHealth:
         return self.watch
 
     def disconnected(self, error: TransportError | None, *, is_program: bool = False) -> None:
-        """Record how a connection ended: several programs in a row are not resets of a board.
+        """Record how a connection ended, because a board that resets loses it, while a program closes it.
 
-        `is_program`: the connection is from this machine, where a killed program ends it too.
+        `is_program`: the connection is from this machine. It then does not count as lost, because a killed
+        program ends it in the same way as a board.
         """
         self._was_closed = is_program or isinstance(error, PeerClosedError)
 

@@ -157,7 +157,7 @@ def _refusal(kind: type[RostetherError], text: str, topics: list[str]) -> Findin
     names = listed(topics, _LISTED_TOPICS)
     unbridged = f"{names} {'is' if len(topics) == 1 else 'are'} not bridged"
     if issubclass(kind, TypeMismatchError):
-        reason, step = split_step(text, "rebuild its message headers")
+        reason, step = split_step(text, "generate its message headers again")
         seen = f"the sketch's message headers for {names} are stale: {reason}"
         return error(Code.STALE_HEADERS, seen, step, text.partition(":")[0], is_reported=True)
     code, default = Code.NOT_BRIDGED, "correct it in the sketch"

@@ -21,6 +21,7 @@ from rostether.bridge.reporter import Reporter, shown_line
 from rostether.errors import RostetherError, SessionError, TransportError
 from rostether.graph.ports import Level
 from rostether.mechanisms.backoff import Backoff
+from rostether.mechanisms.text import counted
 from rostether.ports.known_boards import KnownBoards
 from rostether.ports.port_policy import PortUse, identify
 from rostether.ports.port_watch import DEVICE_FOLDER
@@ -208,7 +209,8 @@ class FoundPort:
             sent = f"text at {found.text_baud} baud ({text!r})"
             what = f"{self._title} sends {sent} and is not a rosserial board"
         elif found.foreign_bytes:
-            what = f"{self._title} sends {found.foreign_bytes} bytes that are not from a rosserial board"
+            size = counted(found.foreign_bytes, "byte")
+            what = f"{self._title} sends data ({size}) that is not from a rosserial board"
         self._report(
             Level.WARN, f"{what}; ignoring it until it is plugged in again or another program has used it"
         )

@@ -151,7 +151,7 @@ async def _add_sketches(
     msg_paths: tuple[Path, ...],
     stack: AsyncExitStack,
 ) -> None:
-    with reported_when_long(warn, f"preparing {options.boards} simulated boards for {sketch}"):
+    with reported_when_long(warn, f"preparing {counted(options.boards, 'simulated board')} for {sketch}"):
         program = await find_program(sketch, "uno", msg_paths)
         for number in range(1, options.boards + 1):
             board = await stack.enter_async_context(await SimulatedBoard.start(program, seed=number))
@@ -165,6 +165,7 @@ def _show_totals(network: XbeeNetwork, boards: list[CountingBoard]) -> None:
         )
     counts = network.air.counts
     write_line(
-        f"The radios sent {counts.packets} packets in {counts.transmissions} transmissions; "
+        f"The radios sent {counted(counts.packets, 'packet')} in "
+        f"{counted(counts.transmissions, 'transmission')}; "
         f"{counts.lost_packets} were lost, {counts.repeated_packets} arrived twice"
     )

@@ -8,6 +8,7 @@ from rostether.conformance.case import CaseList
 from rostether.conformance.checked_client import CheckedClient
 from rostether.conformance.received_frame import Announcement, Deviation, is_time_request
 from rostether.errors import DefinitionError
+from rostether.mechanisms.text import counted
 from rostether.msgdef.registry import Registry
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.frame import encode_frame
@@ -24,7 +25,8 @@ async def check_layout(client: CheckedClient) -> None:
     """Each announcement is a TopicInfo without bytes before or after it."""
     for each in client.announcements:
         if each.info is None:
-            raise Deviation(f"id {each.kind} has {len(each.payload)} bytes: {each.payload[:32].hex(' ')}")
+            size = counted(len(each.payload), "byte")
+            raise Deviation(f"id {each.kind} has {size}: {each.payload[:32].hex(' ')}")
 
 
 @case("announce-ids")
@@ -61,7 +63,7 @@ async def check_buffers(client: CheckedClient) -> None:
     """Buffer sizes are 8 bytes to 1 MiB."""
     for info in _infos(client):
         if not MIN_BUFFER_BYTES <= info.buffer_size <= MAX_BUFFER_BYTES:
-            raise Deviation(f"{info.topic_name} announces a buffer of {info.buffer_size} bytes")
+            raise Deviation(f"{info.topic_name} announces a buffer of {counted(info.buffer_size, 'byte')}")
 
 
 @case("announce-services")
@@ -89,7 +91,7 @@ async def check_time_request(client: CheckedClient) -> None:
     frame = await client.expect(lambda each: each.topic_id == ids.TIME, "a time request")
     client.require_configuration()
     if not is_time_request(frame):
-        raise Deviation(f"the time request has {len(frame.payload)} bytes")
+        raise Deviation(f"the time request has {counted(len(frame.payload), 'byte')}")
 
 
 @case("announce-split")

@@ -15,6 +15,7 @@ from rostether.conformance.program import (
     Part,
 )
 from rostether.conformance.received_frame import Deviation, text_payload
+from rostether.mechanisms.text import counted
 from rostether.rosserial import topic_id as ids
 from rostether.rosserial.packets import Log, LogLevel, ParameterResponse
 
@@ -127,7 +128,7 @@ async def _begin_call(client: CheckedClient) -> None:
     _command(client, Command.CALL)
     frame = await client.expect(lambda each: each.topic_id == request_id, "the request of a call")
     if frame.payload:
-        raise Deviation(f"the empty request has {len(frame.payload)} bytes")
+        raise Deviation(f"the empty request has {counted(len(frame.payload), 'byte')}")
 
 
 def _respond(client: CheckedClient, text: str) -> None:

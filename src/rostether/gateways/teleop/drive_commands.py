@@ -77,7 +77,7 @@ class DriveCommands:
     def limit(self, message: Message, now_s: float) -> bool:
         """Limit a message in place; return whether it is a stop. Raises SerializationError.
 
-        Only acceleration is limited: a slower command and a stop take effect immediately.
+        Acceleration is limited, deceleration is not: a slower command and a stop take effect immediately.
         """
         wanted = [[_read(message, path) for path in paths] for _, paths in self._vectors]
         if not all(math.isfinite(value) for vector in wanted for value in vector):

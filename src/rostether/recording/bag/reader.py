@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import counted
 from rostether.recording.bag.chunks import MAX_CONNECTIONS, BagChunk, BagContent, messages_in
 from rostether.recording.bag.records import (
     BAG_HEADER_BYTES,
@@ -92,7 +93,7 @@ def read_content(data: Buffer, damage: str = "") -> BagContent:
 
 def _other_format(start: bytes) -> str:
     if MAGIC.startswith(start):
-        return f"it is truncated: it has only {len(start)} bytes"
+        return f"it is truncated: it has only {counted(len(start), 'byte')}"
     if start.startswith(MAGIC_START):
         version = start[len(MAGIC_START) :].decode("latin-1").split("\n")[0]
         version = version.strip().encode("unicode_escape").decode()

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rostether.errors import RecordingError
+from rostether.mechanisms.text import counted
 from rostether.recording.chunked_reader import ChunkedReader
 from rostether.recording.compression import MAX_CHUNK_BYTES, Buffer, StoredChunk, check_unpacked_size
 from rostether.recording.mcap.content import McapContent, messages_in, search
@@ -147,7 +148,7 @@ def read_content(data: Buffer, damage: str = "") -> McapContent:
     begin = bytes(data[: len(MAGIC)])
     if begin != MAGIC:
         if MAGIC.startswith(begin):
-            raise RecordingError(f"it is truncated: it has only {len(begin)} bytes")
+            raise RecordingError(f"it is truncated: it has only {counted(len(begin), 'byte')}")
         if begin.startswith(MAGIC[:5]):
             raise RecordingError("it has an unsupported MCAP version; only version 0 can be read")
         raise RecordingError("it is not an MCAP file: those start with '\\x89MCAP0'")

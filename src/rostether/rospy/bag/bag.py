@@ -174,8 +174,8 @@ class Bag:
     ) -> None:
         """Write a message with the time `t` (default: the wall clock).
 
-        Raises ValueError for a closed bag or a missing argument, UnsupportedOperation for a bag that was opened
-        for reading, ROSBagException.
+        Raises ValueError for a closed bag or a missing argument, UnsupportedOperation for a bag that was
+        opened for reading, ROSBagException.
         """
         if self._writer is None:
             raise ValueError(_CLOSED) if self._reader is None else UnsupportedOperation("write")

@@ -148,7 +148,8 @@ class PayloadWalker:
                 limit = f"more than the limit of {MAX_EMPTY_ELEMENTS}"
                 raise Misfit(f"announces {count} elements in field '{path}', {limit}")
             if count * array.element.min_bytes(self._side) > len(self.payload) - self.at:
-                raise Misfit(f"announces {count} elements in field '{path}', more than there are bytes for")
+                announced = f"announces {counted(count, 'element')} in field '{path}'"
+                raise Misfit(f"{announced}, more than there are bytes for")
         for index in range(count):
             self.over(array.element, f"{path}[{index}]")
 

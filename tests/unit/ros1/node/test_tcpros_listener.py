@@ -106,8 +106,11 @@ async def test_one_address_leaves_room_for_others(
 @pytest.mark.parametrize(
     ("limits", "reason"),
     [
-        (GraphLimits(tcpros_connections=1), "this node already has 1 connections; close"),
-        (GraphLimits(tcpros_connections_per_host=1), "127.0.0.1 already has 1"),
+        (GraphLimits(tcpros_connections=1), "the limit of connections to this node (1) is reached; close"),
+        (
+            GraphLimits(tcpros_connections_per_host=1),
+            "the limit of connections from one address (1) is reached",
+        ),
     ],
 )
 async def test_connections_that_stay_are_counted(
