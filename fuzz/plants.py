@@ -217,8 +217,8 @@ _ALL = (
         "toml-odd-address-raises",
         "devices_toml",
         "rostether.ports.devices_toml",
-        "    except ValueError:\n        return False\n    return True",
-        "    except TypeError:\n        return False\n    return True",
+        "    except ValueError:\n        return None",
+        "    except TypeError:\n        return None",
     ),
     Plant(
         "toml-long-number-raises",
@@ -273,8 +273,8 @@ _ALL = (
         "recording-left-open",
         "recordings",
         "rostether.recording.regular_file",
-        "                os.close(descriptor)",
-        "                pass",
+        "weakref.finalize(self, os.close, self._descriptor)",
+        "bool",
     ),
     Plant(
         "recording-chunk-unbounded",
