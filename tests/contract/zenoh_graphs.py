@@ -11,9 +11,10 @@ from rostether.errors import MasterUnreachableError
 from rostether.graph.ports import Graph, JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
+from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.types.type_support import Ros2Types
 from rostether.ros2.zenoh.session import ZenohSession
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 
 @functools.cache

@@ -16,8 +16,9 @@ from rostether.cli.bridge.relay import finding_types
 from rostether.graph.ports import Graph
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.msgdef.registry import Registry
-from rostether.relay.item import RelayFilter, RelaySide, ServiceFilter, TopicFilter
 from rostether.relay.relay import Relay
+from rostether.relay.relay_filter import RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.side import RelaySide
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1

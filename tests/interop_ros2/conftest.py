@@ -12,7 +12,7 @@ from ros2_domains import own_domain
 from rostether.graph.ports import JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.rclpy.graph import RclpyContext
+from rostether.ros2.rclpy.context import RclpyContext
 from rostether.ros2.types.type_support import Ros2Types
 from rostether.serde.store import TypeStore
 

@@ -17,7 +17,7 @@ from rostether.device.device import Device
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.actions.board_graph import BoardJoin, NativeSession
-from rostether.ros2.rclpy.graph import RclpyContext
+from rostether.ros2.rclpy.context import RclpyContext
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.native_types import NativeTypes
 from rostether.ros2.types.type_support import Ros2Types

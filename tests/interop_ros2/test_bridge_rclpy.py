@@ -15,7 +15,7 @@ from interop_ros2.samples import MESSAGES, ros2_name, with_times, without_seq
 from rostether.bridge.settings import BridgeSettings
 from rostether.bridge.supervisor import Supervisor
 from rostether.device.device import Device
-from rostether.ros2.rclpy.graph import RclpyContext
+from rostether.ros2.rclpy.context import RclpyContext
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
 from rostether.transports.address_parser import parse_address

@@ -16,7 +16,7 @@ from interop_ros2.samples import ADDED, MESSAGES, ros2_name, with_times, without
 from rostether.errors import UnknownTypeError
 from rostether.graph.ports import JoinGraph, Level
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
-from rostether.ros2.rclpy.graph import RclpyContext
+from rostether.ros2.rclpy.context import RclpyContext
 from rostether.serde.plain_form import to_plain
 from rostether.serde.store import TypeStore
 from waiting import until

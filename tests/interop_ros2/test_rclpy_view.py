@@ -16,7 +16,7 @@ from rostether.graph.ports import JoinGraph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.ros2.endpoint_info import find_distribution
-from rostether.ros2.rclpy.graph import RclpyContext
+from rostether.ros2.rclpy.context import RclpyContext
 from rostether.ros2.type_description import SERVICE_TYPE, learn_type
 from rostether.ros2.types.type_hash import message_hash, service_hash
 from rostether.ros2.types.type_support import Ros2Types

@@ -15,8 +15,8 @@ from rostether.errors import (
 )
 from rostether.graph.callbacks import call_safely, report_error
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, PublicationFlow, SubscriberFlow
-from rostether.graph.node_membership import answer_within
 from rostether.graph.ports import OnMessages, ServiceHandler, SubscribeOptions
+from rostether.graph.service_calls import answer_within
 from rostether.mechanisms.tasks import start_task
 from rostether.msgdef.interface import ANY_MD5SUM, ANY_MESSAGE, ANY_TYPE, MessageType, ServiceType, agree
 

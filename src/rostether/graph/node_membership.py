@@ -1,13 +1,12 @@
-"""The common part of all graph implementations: name resolution, the orderly end, limits of service calls."""
+"""The common part of all graph implementations: a node's name resolution, and its orderly end."""
 
 from __future__ import annotations
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import Mapping
 
-from rostether.errors import GraphError, ServiceTimeoutError
+from rostether.errors import GraphError
 from rostether.names.graph_name import resolve_name, resolve_remappings
 
 
@@ -59,15 +58,3 @@ class NodeMembership(ABC):
     def _check_open(self) -> None:
         if self._closing is not None:
             raise GraphError(f"node {self.node_name} has left the graph; join again")
-
-
-@asynccontextmanager
-async def answer_within(service: str, timeout_s: float | None) -> AsyncIterator[None]:
-    """Limit the time for a service's answer, which the block awaits. Raises ServiceTimeoutError."""
-    try:
-        async with asyncio.timeout(timeout_s):
-            yield
-    except TimeoutError:
-        raise ServiceTimeoutError(
-            f"service {service} did not answer within {timeout_s:g} s; check that its node does not hang"
-        ) from None

@@ -27,8 +27,11 @@ from rostether.graph.joint_marks import (
 from rostether.graph.ports import Level, Publisher, Report, Snapshot
 from rostether.mechanisms.tasks import cancel_all
 from rostether.relay.action_relay import ActionRelay, action_entries
-from rostether.relay.item import ItemKind, RelayDirection, RelayFilter, RelayItem, RelaySide
-from rostether.relay.item_relay import ServiceRelay, TopicRelay
+from rostether.relay.item import ItemKind, RelayItem
+from rostether.relay.relay_filter import RelayDirection, RelayFilter
+from rostether.relay.service_relay import ServiceRelay
+from rostether.relay.side import RelaySide
+from rostether.relay.topic_relay import TopicRelay
 from rostether.ros2.actions.board_graph import BoardJoin
 
 # The pause before a request that a graph refused is repeated; graphs recover within seconds.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from enum import Enum
 from pathlib import Path
 
 from msgspec import Struct
@@ -19,25 +18,6 @@ from rostether.errors import ConfigError
 MAX_DOMAIN_ID = 232
 
 _DISCOVERY_RANGES = ("", "SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
-
-
-class RouterChoice(Enum):
-    """When a zenoh session becomes the router of this machine."""
-
-    # Becomes the router if no router answers.
-    AUTO = "auto"
-    # Waits for a router without a time limit.
-    NEVER = "never"
-    # Fails if the address is in use. Configured listen endpoints replace the default one.
-    ALWAYS = "always"
-
-
-class ZenohReach(Struct, frozen=True):
-    """Where a zenoh session connects and listens, besides the usual endpoints: `tcp/192.168.1.7:7447`."""
-
-    router: RouterChoice = RouterChoice.AUTO
-    connect: tuple[str, ...] = ()
-    listen: tuple[str, ...] = ()
 
 
 class Ros2Environment(Struct, frozen=True):

@@ -14,7 +14,8 @@ from rostether.extras import install_command
 from rostether.graph.ports import Graph, JoinGraph
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import join as join_names
-from rostether.ros2.environment import Ros2Environment, ZenohReach
+from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.zenoh_reach import ZenohReach
 
 if TYPE_CHECKING:
     from rostether.ros2.types.type_support import Ros2Types
@@ -54,7 +55,7 @@ async def open_ros2(
     environment = Ros2Environment.read(environ)
     line = f"Joining ROS 2 domain {environment.domain_id} over"
     if middleware == "rclpy":
-        from rostether.ros2.rclpy.graph import RclpyContext
+        from rostether.ros2.rclpy.context import RclpyContext
 
         arguments = [word for path in params_files for word in ("--params-file", str(path))]
         context = await RclpyContext.open(

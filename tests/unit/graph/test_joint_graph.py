@@ -26,7 +26,7 @@ from rostether.graph.joint_marks import MARK_TYPE, new_relay_mark
 from rostether.graph.memory_network import MemoryGraph, MemoryNetwork
 from rostether.graph.ports import Graph, Level, ListsClients, ParamValue, ServiceHandler
 from rostether.msgdef.interface import ServiceType
-from rostether.ros2.endpoint_info import ListedClient
+from rostether.ros2.listed_client import ListedClient
 from waiting import until
 
 

@@ -15,8 +15,9 @@ from rostether.errors import UnknownTypeError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level
 from rostether.msgdef.interface import ServiceType
-from rostether.relay.item import ForgetNode, RelayFilter, RelaySide, ServiceFilter, TopicFilter
 from rostether.relay.relay import Relay
+from rostether.relay.relay_filter import RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.side import ForgetNode, RelaySide
 
 SERVICE_TYPES = {each.name: each for each in (SET_BOOL, ADD_DIAGNOSTICS, EMPTY)}
 

@@ -17,8 +17,9 @@ from rostether.msgdef.interface import ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
 from rostether.relay.action_relay import CHECK_S
-from rostether.relay.item import RelayFilter, RelaySide, ServiceFilter, TopicFilter
 from rostether.relay.relay import Relay
+from rostether.relay.relay_filter import RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.side import RelaySide
 from rostether.ros2.actions.board_graph import BoardJoin, NativeSession
 from rostether.ros2.actions.ros1_form import (
     ActionForms,

@@ -20,7 +20,7 @@ from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark, new_relay_mar
 from rostether.graph.memory_network import MemoryGraph
 from rostether.graph.ports import Snapshot
 from rostether.relay import relay as relay_module
-from rostether.relay.item import ServiceFilter, TopicFilter
+from rostether.relay.relay_filter import ServiceFilter, TopicFilter
 from unit.relay.relay_world import World
 from waiting import until
 

@@ -24,8 +24,9 @@ from rostether.graph.static_transforms import StaticTransforms
 from rostether.msgdef.interface import ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.relay import relay as relay_module
-from rostether.relay.item import RelayDirection, RelayFilter, RelaySide, ServiceFilter, TopicFilter
 from rostether.relay.relay import Relay
+from rostether.relay.relay_filter import RelayDirection, RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.side import RelaySide
 from rostether.serde.store import TypeStore
 from unit.relay.relay_world import World, service_type
 from waiting import until

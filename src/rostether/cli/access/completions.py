@@ -15,7 +15,7 @@ from rostether.errors import RostetherError
 if TYPE_CHECKING:
     from rostether.msgdef.registry import Registry
     from rostether.ros1.node.master_client import MasterClient
-    from rostether.ros2.endpoint_info import GraphView
+    from rostether.ros2.graph_view import GraphView
 
 # The longest wait after Tab; a master on this machine answers in milliseconds.
 ROS1_TIMEOUT_S = 1.0

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rostether.cli.access.graph_options import GraphOptions, Middleware
 from rostether.cli.access.ros1_access import joined, read_environment, type_store
 from rostether.mechanisms.block_end import closed_at_end
-from rostether.ros2.environment import RouterChoice, ZenohReach
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

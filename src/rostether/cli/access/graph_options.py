@@ -23,7 +23,7 @@ from rostether.cli.shell.option_group import (
     option_group,
 )
 from rostether.errors import ConfigError
-from rostether.ros2.environment import RouterChoice, ZenohReach
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 ROS2_OPTION = "--ros2"
 # The value of `--ros2` alone: the middleware in the environment, else the installed one.

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rostether.cli.access.graph_options import Middleware
-from rostether.ros2.environment import ZenohReach
 from rostether.ros2.session import Ros2Access, open_ros2
+from rostether.ros2.zenoh_reach import ZenohReach
 
 if TYPE_CHECKING:
     from rostether.ros2.types.type_support import Ros2Types

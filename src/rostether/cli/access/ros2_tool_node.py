@@ -15,8 +15,10 @@ from rostether.cli.shell.output import warn
 from rostether.errors import GraphError, UnknownTypeError
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.names.graph_name import is_hidden
-from rostether.ros2.endpoint_info import EndpointKind, GraphView, Ros2Graph
-from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
+from rostether.ros2.endpoint_info import EndpointKind, Ros2Graph
+from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.graph_view import GraphView
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 if TYPE_CHECKING:
     from rostether.graph.typed_graph import TypedGraph

@@ -22,7 +22,7 @@ from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import RosEnvironment, format_uri
 from rostether.ros1.node.master_client import MasterClient
 from rostether.ros1.node.node_queries import TOOL_NAME
-from rostether.ros2.environment import RouterChoice, ZenohReach
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 if TYPE_CHECKING:
     from rostether.ros2.actions.board_graph import NativeSession

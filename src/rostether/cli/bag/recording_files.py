@@ -14,7 +14,7 @@ from rostether.cli.access.graph_options import GraphOptions, Middleware
 from rostether.cli.shell.option_group import add_option
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError
-from rostether.ros2.environment import RouterChoice, ZenohReach
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 if TYPE_CHECKING:
     from rostether.graph.ports import Graph

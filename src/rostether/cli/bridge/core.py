@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 
 import click
-from msgspec.structs import replace
 
 from rostether.cli.access.graph_options import (
     GraphOptions,
@@ -24,7 +23,7 @@ from rostether.cli.shell.verbs import verb
 from rostether.errors import GraphError
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.ros1.environment import format_uri
-from rostether.ros2.environment import RouterChoice, ZenohReach
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 # Nodes on this machine find the router only if one of its endpoints ends with one of these texts.
 _USUAL_ENDPOINTS = ("/localhost:7447", "/127.0.0.1:7447", "/[::1]:7447", "/0.0.0.0:7447", "/[::]:7447")
@@ -102,7 +101,7 @@ async def core(
 
 async def _serve_router(reach: ZenohReach) -> None:
     """Run the router until canceled. Raises ConfigError, MasterUnreachableError if another one runs."""
-    async with ros2_access(Middleware.ZENOH, reach=replace(reach, router=RouterChoice.ALWAYS)) as access:
+    async with ros2_access(Middleware.ZENOH, reach=reach._replace(router=RouterChoice.ALWAYS)) as access:
         from rostether.ros2.zenoh.reachability import is_local
 
         write_line("Started a zenoh router for RMW_IMPLEMENTATION=rmw_zenoh_cpp")

@@ -24,13 +24,13 @@ from rostether.graph.ports import Level
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.msgdef.interface import ANY_TYPE, ServiceType
 from rostether.names.graph_name import validate_name
-from rostether.relay.item import RelayDirection, RelayFilter, ServiceFilter, TopicFilter
+from rostether.relay.relay_filter import RelayDirection, RelayFilter, ServiceFilter, TopicFilter
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.node.leftovers import Leftovers
 from rostether.ros1.node.service_probe import probe_type
 
 if TYPE_CHECKING:
-    from rostether.relay.item import FindServiceType
+    from rostether.relay.side import FindServiceType
     from rostether.ros2.types.type_support import Ros2Types
 
 # The characters of patterns, which names do not have.
@@ -134,8 +134,8 @@ async def relay_between(
     Without `master_port`, a new ROS 1 master has the port of the environment's URI. Raises GraphError,
     ConfigError, and UnknownTypeError for a service.
     """
-    from rostether.relay.item import RelaySide
     from rostether.relay.relay import Relay
+    from rostether.relay.side import RelaySide
     from rostether.ros2.actions.board_graph import BoardJoin
 
     assert graph.ros2 is not None

@@ -54,7 +54,6 @@ async def _examine_routers(environment: Ros2Environment, report: _Report) -> Non
     """Try the router of this machine, and every endpoint that the configuration files name."""
     # zenoh may be missing; `ros2_access` reports that.
     try:
-        from rostether.ros2.environment import ZenohReach
         from rostether.ros2.zenoh.access_check import find_denied_topics
         from rostether.ros2.zenoh.configuration import (
             ROUTER_ENDPOINT,
@@ -69,6 +68,7 @@ async def _examine_routers(environment: Ros2Environment, report: _Report) -> Non
             find_listen_fault,
             tls_of,
         )
+        from rostether.ros2.zenoh_reach import ZenohReach
     except ModuleNotFoundError:
         return
     if not configures_endpoints(environment):

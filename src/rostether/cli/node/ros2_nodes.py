@@ -9,7 +9,8 @@ from rostether.cli.shell.output import write_json, write_line, write_result
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import is_hidden, is_in_namespace
-from rostether.ros2.endpoint_info import EndpointKind, GraphView, one_or_all
+from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.graph_view import GraphView, one_or_all
 
 _SECTIONS = {
     "Subscribers": EndpointKind.SUBSCRIPTION,

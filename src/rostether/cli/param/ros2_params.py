@@ -21,7 +21,7 @@ from rostether.cli.shell.output import warn, write_json, write_line, write_resul
 from rostether.errors import ConfigError, GraphError, SerializationError, UnknownNameError
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import is_hidden
-from rostether.ros2.endpoint_info import GraphView
+from rostether.ros2.graph_view import GraphView
 from rostether.ros2.parameters.parameter_name import name_parts
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue, typed_value
 

@@ -60,7 +60,7 @@ async def show_graph(
     kind = picture_format(file) if file is not None else format_name or "text"
     if graph.ros2 is not None:
         from rostether.cli.access.ros2_tool_node import asked
-        from rostether.ros2.endpoint_info import as_snapshot
+        from rostether.ros2.graph_view import as_snapshot
 
         snapshot = as_snapshot(await asked(graph, lambda tool: tool.settled_snapshot()))
     else:

@@ -16,7 +16,8 @@ from rostether.errors import ServiceUnavailableError, UnknownNameError
 from rostether.graph.ros_clock import wall_time
 from rostether.mechanisms.text import did_you_mean, escape_line
 from rostether.names.graph_name import is_in_namespace
-from rostether.ros2.endpoint_info import SERVICE_KINDS, EndpointKind, GraphView, one_or_all
+from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.graph_view import SERVICE_KINDS, GraphView, one_or_all
 from rostether.ros2.types.message_text import MessageText, TextStyle
 from rostether.ros2.types.native_registry import short_name
 

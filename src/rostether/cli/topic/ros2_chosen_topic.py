@@ -11,7 +11,8 @@ from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
 from rostether.mechanisms.text import unpublished_warning
 from rostether.msgdef.ros2.spec import PRIMITIVE_TYPES, Ros2Message, Ros2Type
-from rostether.ros2.endpoint_info import EndpointKind, GraphView
+from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.graph_view import GraphView
 from rostether.ros2.naming import validate_topic_name
 from rostether.ros2.types.native_registry import short_name
 

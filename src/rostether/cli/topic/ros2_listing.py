@@ -15,7 +15,8 @@ from rostether.cli.topic.options import TopicListing
 from rostether.errors import UnknownNameError
 from rostether.mechanisms.text import counted, escape_line, unknown_topic
 from rostether.names.graph_name import is_in_namespace, namespace_of
-from rostether.ros2.endpoint_info import TOPIC_KINDS, EndpointInfo, EndpointKind, GraphView
+from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
+from rostether.ros2.graph_view import TOPIC_KINDS, GraphView
 from rostether.ros2.types.native_registry import short_name
 
 

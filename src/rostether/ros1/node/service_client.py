@@ -16,7 +16,7 @@ from rostether.errors import (
     TypeMismatchError,
     UnknownNameError,
 )
-from rostether.graph.node_membership import answer_within
+from rostether.graph.service_calls import answer_within
 from rostether.msgdef.interface import ServiceType
 from rostether.ros1.environment import parse_rpc_uri
 from rostether.ros1.graph_limits import DEFAULT_GRAPH_LIMITS, GraphLimits

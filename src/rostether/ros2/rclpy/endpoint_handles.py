@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Unpack
 
 from rostether.errors import GraphError, ServiceUnavailableError
-from rostether.graph.ports import Level, OnMessages, ServiceHandler, SubscribeOptions
+from rostether.graph.ports import OnMessages, ServiceHandler, SubscribeOptions
 from rostether.graph.publisher_handle import PublisherHandle, check_same_type
 from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
-from rostether.ros2.endpoint_info import EndpointKind, ListedClient, different_type_text
+from rostether.ros2.endpoint_info import EndpointKind
+from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.parameters.graph_parameters import Ros2Membership
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import RclpyPublication
@@ -24,14 +25,11 @@ from rostether.ros2.rclpy.services import (
     RclpyServiceServer,
 )
 from rostether.ros2.rclpy.subscription import RclpySubscriber
-from rostether.ros2.rclpy.view import node_name_of
+from rostether.ros2.rclpy.type_conflicts import CHECK_INTERVAL_S, TypeConflicts
 from rostether.ros2.types.type_support import ServiceSupport
 
 # How often subscribers search for new publishers if rclpy does not report them; users do not notice 0.2 s.
 PUBLISHER_POLL_INTERVAL_S = 0.2
-
-# How often types are compared; users do not notice 2 s, and the checks of a hundred boards need 3 % of a CPU.
-CHECK_INTERVAL_S = 2.0
 
 
 class RclpyEndpoints(Ros2Membership):
@@ -223,41 +221,3 @@ class RclpyEndpoints(Ros2Membership):
         async with self._lock:
             del self._servers[server.service]
             await self._own.thread.run(server.end)
-
-
-class TypeConflicts:
-    """Reports endpoints of other nodes with another type of a topic, which neither DDS nor rclpy reports.
-
-    Each conflict is reported once, and again if it ends and returns.
-    """
-
-    def __init__(self, own: OwnNode) -> None:
-        self._own = own
-        self._reported: set[str] = set()
-
-    def report(self, used: Mapping[EndpointKind, Collection[tuple[str, str]]]) -> None:
-        """Report the conflicts of this node's topics; call it in the executor's thread.
-
-        `used` has, for each kind of this node's endpoints, their topics and types.
-        """
-        types = dict(self._own.node.get_topic_names_and_types())
-        found: set[str] = set()
-        for kind, topics in used.items():
-            for topic, own_type in topics:
-                if len(types.get(topic, ())) > 1:
-                    found.update(self._explain(kind, topic, own_type))
-        for text in sorted(found - self._reported):
-            self._own.report_from_thread(Level.WARN, text)
-        self._reported = found
-
-    def _explain(self, kind: EndpointKind, topic: str, own_type: str) -> list[str]:
-        node = self._own.node
-        if kind is EndpointKind.PUBLISHER:
-            other_kind, others = EndpointKind.SUBSCRIPTION, node.get_subscriptions_info_by_topic(topic)
-        else:
-            other_kind, others = EndpointKind.PUBLISHER, node.get_publishers_info_by_topic(topic)
-        return [
-            different_type_text(name, other_kind, topic, other.topic_type, own_type)
-            for other in others
-            if other.topic_type != own_type and (name := node_name_of(other))
-        ]

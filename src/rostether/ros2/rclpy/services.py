@@ -13,10 +13,10 @@ from rostether.errors import (
     TypeMismatchError,
 )
 from rostether.graph.callbacks import report_error
-from rostether.graph.node_membership import answer_within
 from rostether.graph.ports import Level, ServiceHandler
+from rostether.graph.service_calls import answer_within
 from rostether.mechanisms.tasks import cancel_all, start_task
-from rostether.ros2.handover import convert
+from rostether.ros2.early_conversion import convert
 from rostether.ros2.rclpy.executor_thread import NoAnswerError, set_result
 from rostether.ros2.rclpy.failures import attempt
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy

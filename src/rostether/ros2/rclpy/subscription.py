@@ -20,7 +20,8 @@ from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
 from rostether.msgdef.interface import ANY_TYPE, MessageType
-from rostether.ros2.handover import Handover, Received, convert_if_large, loss_text, payload_of
+from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
+from rostether.ros2.handover import Handover, loss_text
 from rostether.ros2.rclpy.failures import first_lines
 from rostether.ros2.rclpy.installation import interface_class, load_rclpy
 from rostether.ros2.rclpy.own_node import OwnNode

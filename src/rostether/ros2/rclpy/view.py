@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from rostether.graph.ports import Snapshot
-from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind, GraphView, as_snapshot
+from rostether.ros2.endpoint_info import EndpointInfo, EndpointKind
+from rostether.ros2.graph_view import GraphView, as_snapshot
 
 # Users do not notice this delay, and a hundred nodes need 1 % of a CPU.
 POLL_INTERVAL_S = 0.5

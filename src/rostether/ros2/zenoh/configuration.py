@@ -16,7 +16,8 @@ import zenoh
 
 from rostether.errors import ConfigError
 from rostether.mechanisms.text import fold_line
-from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
+from rostether.ros2.environment import Ros2Environment
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 ROUTER_PORT = 7447
 ROUTER_ENDPOINT = f"tcp/localhost:{ROUTER_PORT}"

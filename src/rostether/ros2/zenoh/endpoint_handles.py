@@ -16,17 +16,18 @@ from rostether.graph.ports import Level, OnMessages, ServiceHandler, Snapshot, S
 from rostether.graph.publisher_handle import PublisherHandle
 from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
-from rostether.ros2.endpoint_info import ListedClient
+from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.naming import dds_name, logger_name, type_of_dds_name, validate_topic_name
 from rostether.ros2.parameters.graph_parameters import Ros2Membership
 from rostether.ros2.type_description import learn_type
 from rostether.ros2.types.type_support import ServiceSupport
-from rostether.ros2.zenoh.described_types import is_of_type
+from rostether.ros2.zenoh.mismatches import is_of_type
 from rostether.ros2.zenoh.publication import ZenohPublication
+from rostether.ros2.zenoh.qos import ROSOUT_QOS
 from rostether.ros2.zenoh.services import ZenohServiceClient, ZenohServiceServer
 from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities, SharedSession
 from rostether.ros2.zenoh.subscription import ZenohSubscriber
-from rostether.ros2.zenoh.tokens import ROSOUT_QOS, Token, TokenKind
+from rostether.ros2.zenoh.tokens import Token, TokenKind
 from rostether.rostime import Time
 
 # The time to wait until an unknown service is announced: 1 ms on one machine, longer through several routers.

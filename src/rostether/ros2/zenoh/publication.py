@@ -17,10 +17,11 @@ from rostether.msgdef.interface import MessageType
 from rostether.ros2.types.type_support import MessageSupport
 from rostether.ros2.zenoh.attachment import ATTACHMENT, GID_BYTES, gid_of
 from rostether.ros2.zenoh.configuration import WAIT_BEFORE_DROP_US
-from rostether.ros2.zenoh.described_types import Mismatches, is_of_type
+from rostether.ros2.zenoh.mismatches import Mismatches, is_of_type
 from rostether.ros2.zenoh.put_queue import BatchResult, PutQueue
+from rostether.ros2.zenoh.qos import DEFAULT_QOS, LATCHED_QOS, Qos
 from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities
-from rostether.ros2.zenoh.tokens import DEFAULT_QOS, LATCHED_QOS, Qos, Token, TokenKind
+from rostether.ros2.zenoh.tokens import Token, TokenKind
 
 # A put that takes this long has waited for room; other puts take a hundredth of this time.
 STALL_NS = 300_000

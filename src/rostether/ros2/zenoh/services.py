@@ -14,11 +14,12 @@ import zenoh
 
 from rostether.errors import RostetherError, ServiceCallError, ServiceUnavailableError
 from rostether.graph.callbacks import report_error
-from rostether.graph.node_membership import answer_within
 from rostether.graph.ports import ServiceHandler
+from rostether.graph.service_calls import answer_within
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.mechanisms.text import fold_line
-from rostether.ros2.handover import Handover, convert
+from rostether.ros2.early_conversion import convert
+from rostether.ros2.handover import Handover
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.attachment import Attachment, gid_of, parse_attachment
 from rostether.ros2.zenoh.shared_session import NodeEntities

@@ -13,7 +13,7 @@ import zenoh
 from rostether.errors import ConfigError, MasterUnreachableError
 from rostether.graph.ports import ParamValue
 from rostether.names.graph_name import join
-from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
+from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.handover import Handover
 from rostether.ros2.naming import validate_node_name
 from rostether.ros2.types.type_support import Ros2Types
@@ -39,6 +39,7 @@ from rostether.ros2.zenoh.refusals import report_refusals
 from rostether.ros2.zenoh.shared_session import SharedSession
 from rostether.ros2.zenoh.thread_state import keep_thread_state
 from rostether.ros2.zenoh.tokens import all_tokens
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 
 # The limit of changes of the graph that wait for the event loop: twice the limit of tokens.
 MAX_WAITING_TOKENS = 200_000

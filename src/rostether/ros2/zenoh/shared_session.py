@@ -16,7 +16,8 @@ from rostether.ros2.naming import dds_name
 from rostether.ros2.parameters.graph_parameters import Ros2Membership
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types, ServiceSupport
 from rostether.ros2.zenoh.graph_cache import GraphCache
-from rostether.ros2.zenoh.tokens import DEFAULT_QOS, Qos, Token, TokenKind, data_key
+from rostether.ros2.zenoh.qos import DEFAULT_QOS, Qos
+from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
 
 # Each puts a batch while a link is full. More threads would only wait for the same few links.
 MAX_PUT_THREADS = 8

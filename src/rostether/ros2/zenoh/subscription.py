@@ -11,14 +11,17 @@ from rostether.errors import SerializationError
 from rostether.graph.callbacks import call_safely
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES
 from rostether.graph.ports import Level, OnMessages, SubscribeOptions
+from rostether.ros2.early_conversion import Received, convert_if_large, payload_of
 from rostether.ros2.endpoint_info import connection_fields
-from rostether.ros2.handover import Handover, Received, convert_if_large, loss_text, payload_of
+from rostether.ros2.handover import Handover, loss_text
 from rostether.ros2.types.type_support import ANY_HASH, MessageSupport
 from rostether.ros2.zenoh.attachment import gid_of, parse_attachment
-from rostether.ros2.zenoh.described_types import Describe, DescribedTypes, Mismatches, is_of_type
+from rostether.ros2.zenoh.described_types import Describe, DescribedTypes
+from rostether.ros2.zenoh.mismatches import Mismatches, is_of_type
+from rostether.ros2.zenoh.qos import DEFAULT_QOS, Qos
 from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities
 from rostether.ros2.zenoh.thread_state import keep_thread_state
-from rostether.ros2.zenoh.tokens import DEFAULT_QOS, Qos, Token, TokenKind, data_key
+from rostether.ros2.zenoh.tokens import Token, TokenKind, data_key
 
 # The number of earlier messages requested from a latched publisher: one, as in ROS 1.
 LATCHED_SAMPLES = 1

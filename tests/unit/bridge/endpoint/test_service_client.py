@@ -10,7 +10,7 @@ from rostether.bridge.settings import BridgeSettings
 from rostether.errors import InvalidNameError, ServiceCallError
 from rostether.graph.memory_network import MemoryGraph
 from rostether.msgdef.interface import ServiceType
-from rostether.ros2.endpoint_info import ListedClient
+from rostether.ros2.listed_client import ListedClient
 from rostether.rosserial.events import ServiceRole
 from unit.bridge.doubles import FakeLine
 from unit.bridge.nodes import STORE, World, service

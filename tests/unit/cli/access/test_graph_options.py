@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import click
 import pytest
 
@@ -117,3 +120,10 @@ def test_options_of_a_graph_that_is_not_selected_are_refused(
     assert main(words) == 1
     option = next(each for each in words if each.startswith(("--zenoh", "--params")))
     assert f"{option} has an effect only with --ros2" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("cold_start")
+def test_the_help_of_a_tool_needs_no_msgspec() -> None:
+    # It would start 10 ms later.
+    program = "import sys, rostether.cli.access.graph_options; assert 'msgspec' not in sys.modules"
+    subprocess.run([sys.executable, "-c", program], check=True)

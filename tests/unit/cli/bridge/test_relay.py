@@ -19,7 +19,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Graph
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.relay.item import RelayDirection, ServiceFilter, TopicFilter
+from rostether.relay.relay_filter import RelayDirection, ServiceFilter, TopicFilter
 from rostether.ros1.environment import RosEnvironment
 from rostether.ros1.master.server import MasterServer
 from rostether.ros1.node.node import join_ros1

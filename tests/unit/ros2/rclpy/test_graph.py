@@ -15,7 +15,7 @@ from rostether.errors import GraphError, InvalidNameError, TypeMismatchError
 from rostether.msgdef.interface import ANY_MESSAGE, MessageType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.rclpy.graph import RclpyContext
+from rostether.ros2.rclpy.context import RclpyContext
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types
 from waiting import until
 

@@ -7,12 +7,13 @@ import pytest
 from contract.graphs import STRING, Inbox
 from contract.zenoh_graphs import open_session, ros2_types
 from interop.ros1_peers import free_port
-from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
+from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.zenoh import access_check
 from rostether.ros2.zenoh import session as session_module
 from rostether.ros2.zenoh.access_check import find_denied_topics
 from rostether.ros2.zenoh.configuration import peer_configuration
 from rostether.ros2.zenoh.session import ZenohSession
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 from waiting import until
 
 RULES = {

@@ -8,13 +8,14 @@ import pytest
 import zenoh
 
 from rostether.errors import ConfigError
-from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
+from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.zenoh.configuration import (
     configures_endpoints,
     is_router_there,
     peer_configuration,
     router_configuration,
 )
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 from rostether.transports.sockets import close_servers
 
 

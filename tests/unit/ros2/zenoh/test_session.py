@@ -8,10 +8,11 @@ from contract.graphs import STRING, Inbox, string
 from contract.zenoh_graphs import open_router, open_session, ros2_types
 from interop.ros1_peers import free_port
 from rostether.errors import InvalidNameError, MasterUnreachableError
-from rostether.ros2.environment import Ros2Environment, RouterChoice, ZenohReach
+from rostether.ros2.environment import Ros2Environment
 from rostether.ros2.zenoh import configuration
 from rostether.ros2.zenoh import session as session_module
 from rostether.ros2.zenoh.session import ZenohSession
+from rostether.ros2.zenoh_reach import RouterChoice, ZenohReach
 from waiting import until
 
 

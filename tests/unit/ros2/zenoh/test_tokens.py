@@ -2,14 +2,9 @@ from __future__ import annotations
 
 import pytest
 
+from rostether.ros2.zenoh.qos import DEFAULT_QOS, LATCHED_QOS, Durability, History, Qos, Reliability
 from rostether.ros2.zenoh.tokens import (
-    DEFAULT_QOS,
-    LATCHED_QOS,
     MAX_TOKEN_CHARACTERS,
-    Durability,
-    History,
-    Qos,
-    Reliability,
     Token,
     TokenKind,
     all_tokens,
