@@ -43,7 +43,7 @@ _WARNINGS = (
     "lost_serial",
     "overrun",
     "restart",
-    "stack",
+    "stack_low",
     "stack_overflow",
 )
 

@@ -40,7 +40,7 @@ _MEANINGS = {
     "overrun": "the program disabled interrupts for too long, and received bytes were lost",
     "lost_serial": "no program read these bytes in time",
     "lost_events": "these events were not read in time",
-    "stack": "the stack came close to the variables: the program needs more RAM than is safe",
+    "stack_low": "the stack came close to the variables: the program needs more RAM than is safe",
     "stack_overflow": "the stack overwrote variables: the program needs more RAM than the board has",
 }
 

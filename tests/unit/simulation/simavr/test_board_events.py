@@ -30,6 +30,8 @@ def test_other_lines_are_refused(line: bytes) -> None:
         (BoardEvent("serial", 1.0, {"data": "fffe0800"}), "    1.000000  serial data=fffe0800"),
         (BoardEvent("serial", 1.0, {"data": "0000"}), "    1.000000  serial data=0000"),
         (BoardEvent("asleep", 3.0, {"text": "it sleeps"}), "    3.000000  asleep: it sleeps"),
+        # The answer of the command `stack` is no warning.
+        (BoardEvent("stack", 3.0, {"free_bytes": 900}), "    3.000000  stack free_bytes=900"),
         (
             BoardEvent("stack_overflow", 3.0, {"free_bytes": 0}),
             "    3.000000  stack overflow free_bytes=0: the stack overwrote variables: the program needs"

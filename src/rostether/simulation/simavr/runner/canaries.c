@@ -89,7 +89,7 @@ void canaries_check_stack(void) {
     lowest_reported = free_bytes;
     uint32_t heap_end = firmware_heap_end();
     bool is_overflow = !free_bytes && (highest_heap_end <= heap_end || _avr_sp_get(board.avr) < heap_end);
-    event_begin(is_overflow ? "stack_overflow" : "stack");
+    event_begin(is_overflow ? "stack_overflow" : "stack_low");
     event_int("free_bytes", free_bytes);
     event_end();
 }
