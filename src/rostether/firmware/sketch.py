@@ -77,7 +77,7 @@ def _open_folder(folder: Path) -> Sketch:
         names = ", ".join(each.name for each in inos)
         raise FirmwareError(f"{folder} contains several sketches ({names}); give one of them")
     if not inos and not sources:
-        raise FirmwareError(f"{folder} contains no sketch: no .ino or .cpp file")
+        raise FirmwareError(f"{folder} contains no .ino or .cpp file; give the folder of a sketch")
     first = (main or inos)[:1]
     rest = [each for each in inos if each not in first]
     sources += files_below(folder / "src", SOURCE_SUFFIXES)

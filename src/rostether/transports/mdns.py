@@ -45,7 +45,7 @@ class ListenerAnnouncement:
         machine = (machine or socket.gethostname()).partition(".")[0] or "rostether"
         addresses = list(interfaces) if interfaces is not None else [*_addresses_of(host)]
         if not addresses:
-            raise TransportOpenError("mDNS: this machine has no network address")
+            raise TransportOpenError("mDNS: this machine has no network address; connect it to a network")
         machine = machine.encode()[:_MAX_MACHINE_BYTES].decode(errors="ignore")
         info = AsyncServiceInfo(
             SERVICE_TYPE,

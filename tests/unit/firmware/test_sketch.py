@@ -46,7 +46,7 @@ def test_a_cpp_file_is_a_sketch(tmp_path: Path) -> None:
     [
         ((), "nothing.ino", "no sketch .*nothing.ino"),
         (("a.ino", "b.ino"), "", r"contains several sketches \(a.ino, b.ino\); give one"),
-        (("readme.txt",), "", "contains no sketch"),
+        (("readme.txt",), "", "contains no .ino or .cpp file"),
         (("readme.txt",), "readme.txt", "readme.txt is not a sketch"),
     ],
 )
