@@ -134,7 +134,7 @@ async def measure(elf: Path | ElfFile, board: Board, origins: Origins | None = N
 async def measure_built(built: BuiltFirmware, elf: ElfFile | None = None) -> Footprint:
     """Measure a built firmware; the sketch's folder and its libraries are listed separately.
 
-    `elf` is its ELF file if it was already read.
+    `elf` is its ELF file if it was already read. Raises FirmwareError.
     """
     libraries = [(each.name, each.folder) for each in built.libraries if each.origin is not Origin.ROS]
     return await measure(elf or built.elf, built.board, Origins(built.sketch.folder, libraries))

@@ -32,7 +32,7 @@ async def build_for_linux(sketch: Path, msg_paths: Sequence[Path] = ()) -> Path:
     """Return the program of an .ino file or a folder with one, compiled if necessary.
 
     `msg_paths` are folders with message definitions. Raises FirmwareError when there is no such sketch or no
-    compiler, SketchError when it does not compile.
+    compiler, SketchError when it does not compile, CodegenError, DefinitionError.
     """
     from rostether.codegen.library_source import client_library
 

@@ -80,7 +80,8 @@ def name_of_md5sum(types: Registry, md5sum: str) -> str | None:
 def guess_definition(types: Registry, name: str, md5sum: str) -> MessageSpec | None:
     """Find a changed definition that gives `name` this md5sum, or None.
 
-    The answer is another version of `name`, or (see its `full_name`) of one of its nested messages.
+    The answer is another version of `name`, or (see its `full_name`) of one of its nested messages. Raises
+    the errors of `types` for a type that is unknown or broken here.
     """
     root = types.message(name)
     below = dependencies(root, types.message)

@@ -69,7 +69,10 @@ def check(path: Path, registry: Registry) -> CheckResult:
 
 
 def file_faults(path: Path) -> list[str]:
-    """Return the errors in the records of bags and MCAP files; the types of messages are not checked."""
+    """Return the errors in the records of bags and MCAP files; the types of messages are not checked.
+
+    Raises RecordingError if a file cannot be read.
+    """
     if path.is_dir():
         return [
             f"{each.name}: {fault}" for each in sorted(path.glob("*.mcap")) for fault in file_faults(each)

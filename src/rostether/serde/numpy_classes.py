@@ -24,7 +24,10 @@ class NumpyMessage(Message):
 
 
 class NumpyClasses(MessageClasses):
-    """Message classes for one type store; arrays that are received are read-only."""
+    """Message classes for one type store; arrays that are received are read-only.
+
+    Raises ConfigError if numpy is not installed.
+    """
 
     base = NumpyMessage
 

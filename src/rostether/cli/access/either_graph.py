@@ -17,9 +17,10 @@ if TYPE_CHECKING:
 
 @asynccontextmanager
 async def joined_either(graph: GraphOptions, *, purpose: str) -> AsyncIterator[tuple[TypedGraph, str]]:
-    """Join the graph; yield it with its name for users. Raises UsageError, ConfigError, GraphError.
+    """Join the graph; yield it with its name for users.
 
-    `purpose` is the beginning of a ROS 1 node's name; a ROS 2 node is hidden.
+    `purpose` is the beginning of a ROS 1 node's name; a ROS 2 node is hidden. Raises UsageError, ConfigError,
+    InvalidNameError, GraphError.
     """
     if graph.ros2 is None:
         async with joined(graph, purpose=purpose) as node:

@@ -91,7 +91,10 @@ async def served_graphs(
 
 @asynccontextmanager
 async def native_session(graph: GraphOptions, msg_paths: Sequence[Path]) -> AsyncIterator[NativeSession]:
-    """Join the boards' ROS 2 graph again, with ROS 2's own types: the boards' session has ROS 1 types."""
+    """Join the boards' ROS 2 graph again, with ROS 2's own types: the boards' session has ROS 1 types.
+
+    Raises ConfigError, GraphError.
+    """
     from rostether.ros2.actions.board_graph import NativeSession
     from rostether.ros2.types.native_registry import NativeRegistry
     from rostether.ros2.types.native_types import NativeTypes

@@ -122,10 +122,10 @@ async def recording_graph(
     origins: Iterable[Ros2Origin] = (),
     msg_paths: Iterable[Path] = (),
 ) -> AsyncIterator[RecordingGraph]:
-    """Run a node until the end of the block; its name begins with `purpose`. Raises GraphError, ConfigError.
+    """Run a node until the end of the block; its name begins with `purpose`.
 
     If `is_native`, messages on ROS 2 alone have ROS 2's own fields. `origins` are the types in recordings,
-    whose definitions need not be installed.
+    whose definitions need not be installed. Raises GraphError, ConfigError, InvalidNameError.
     """
     # Commands that only read and write files start much faster without these modules.
     from rostether.cli.access.ros1_access import joined, read_environment, ros1_join

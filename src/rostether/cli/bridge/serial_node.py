@@ -105,9 +105,10 @@ async def run_host(
     allowed: tuple[str, ...] = (),
     config: Path | None = None,
 ) -> None:
-    """Serve the boards on a host's link until canceled. Raises ConfigError, GraphError, TransportOpenError.
+    """Serve the boards on a host's link until canceled.
 
     `listen` and `allowed` are the values of --listen and --allow; without `config`, the user's file is read.
+    Raises ConfigError, InvalidNameError, GraphError, TransportOpenError.
     """
     from rostether.bridge.settings import BoardNodes
     from rostether.bridge.supervisor import Links, Supervisor

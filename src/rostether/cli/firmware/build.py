@@ -137,7 +137,10 @@ async def firmware_upload(options: SketchOptions, port: str | None) -> None:
 
 
 async def upload_sketch(options: SketchOptions, port: str | None) -> str:
-    """Build and flash a sketch; return the port of the board. Raises FirmwareError, ConfigError."""
+    """Build and flash a sketch; return the port of the board.
+
+    Raises the errors of `build`, and TransportOpenError if the port cannot be used.
+    """
     from rostether.firmware.elf import ElfFile
     from rostether.firmware.footprint import measure_built
 

@@ -78,7 +78,10 @@ sketch_options = option_group("options", SketchOptions)
 
 
 async def build(options: SketchOptions) -> BuiltFirmware:
-    """Build a sketch; the compiler's output goes to stderr unchanged."""
+    """Build a sketch; the compiler's output goes to stderr unchanged.
+
+    Raises FirmwareError, CodegenError, ConfigError, DefinitionError.
+    """
     try:
         board = find_board(options.board)
         waiting = f"building {options.sketch} for {board.title}; this takes a few seconds"

@@ -188,7 +188,10 @@ async def _main(graph: TypedGraph, arguments: Arguments, gateways: GatewayOption
 
 
 def with_ros1_types(graphs: ServedGraphs, msg_paths: Sequence[Path]) -> GatewayGraph:
-    """Return the graphs with ROS 1 definitions, even on ROS 2: Foxglove's panels need them for times."""
+    """Return the graphs with ROS 1 definitions, even on ROS 2: Foxglove's panels need them for times.
+
+    Raises ConfigError for a missing folder.
+    """
     store = type_store(msg_paths)
     if graphs.types is not None:
         from rostether.ros2.rcl_interfaces import rcl_interfaces

@@ -168,7 +168,8 @@ async def open_gateway_graph(
 ) -> AsyncIterator[GatewayGraph]:
     """Yield how gateways join the graphs of the boards.
 
-    On ROS 1, or both, messages have ROS 1 types, as boards send them; on ROS 2 alone, ROS 2 types.
+    On ROS 1, or both, messages have ROS 1 types, as boards send them; on ROS 2 alone, ROS 2 types. Raises
+    ConfigError, GraphError.
     """
     if graphs.ros1 is not None:
         yield ros1_gateway_graph(graphs.join, type_store(msg_paths), graphs.ros1)

@@ -71,7 +71,7 @@ class LoadedLaunch(Struct, frozen=True):
 
 
 def load(words: Sequence[str], *, runs_commands: bool) -> LoadedLaunch:
-    """Load the launch files that the words name. Raises ConfigError.
+    """Load the launch files that the words name. Raises ConfigError, LaunchError.
 
     Without `runs_commands`, `<param command="...">` runs no program.
     """

@@ -61,7 +61,10 @@ def is_lingering() -> bool:
 
 
 def clean(installation: Installation) -> None:
-    """Remove the service's cache, and its state unless parts have written files there, such as recordings."""
+    """Remove the service's cache, and its state unless parts have written files there, such as recordings.
+
+    Raises ConfigError if systemd refuses.
+    """
     is_written = any(each.is_file() for each in STATE.resolve().rglob("*"))
     folders = ["--what=cache"] if is_written else ["--what=cache", "--what=state"]
     systemctl(installation, "clean", *folders, UNIT)

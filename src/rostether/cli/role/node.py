@@ -103,7 +103,8 @@ async def _on_ros2(arguments: Arguments, name: str, ros2: str) -> AsyncIterator[
 async def run_role(default_name: str, words: Sequence[str], main: Main, ros2: str | None = None) -> None:
     """Run a node until `main` returns, or the node or the process is shut down.
 
-    `main` gets the graph and the node's arguments; `ros2` is the value of `--ros2`, None for ROS 1.
+    `main` gets the graph and the node's arguments; `ros2` is the value of `--ros2`, None for ROS 1. Raises
+    ConfigError, InvalidNameError, GraphError, and the errors of `main`.
     """
     arguments = node_arguments(words)
     _warn_of_mistakes(arguments)

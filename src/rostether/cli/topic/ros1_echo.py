@@ -30,7 +30,10 @@ SILENCE_WARNING_S = 2.0
 
 
 async def echo(graph_options: GraphOptions, topic: str, options: EchoOptions) -> None:
-    """Print messages until there are enough. Raises GraphError, ConfigError, UnknownTypeError."""
+    """Print messages until there are enough.
+
+    Raises GraphError, ConfigError, InvalidNameError, UnknownTypeError.
+    """
     environment = read_environment(graph_options)
     name = resolve_with_field(topic, environment)
     async with joined(graph_options, options.msg_paths, purpose="rostopic") as graph:
@@ -137,7 +140,7 @@ def echo_recording(path: Path, topic: str | None, options: EchoOptions) -> None:
 
 
 def list_recording(path: Path) -> None:
-    """Print the topics. Raises RecordingError."""
+    """Print the topics. Raises RecordingError, and ConfigError if an extra is missing."""
     from rostether.recording.files import open_recording
 
     with contextlib.closing(open_recording(path)) as reader:

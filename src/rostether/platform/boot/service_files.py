@@ -59,7 +59,10 @@ def default_robot_file(is_system: bool) -> Path:
 
 
 def files_of(installation: Installation, *, dashboard: str = "") -> Mapping[Path, str]:
-    """Return the files to write; `dashboard` is the address to open at login, empty for none."""
+    """Return the files to write; `dashboard` is the address to open at login, empty for none.
+
+    Raises ConfigError for a path with unprintable characters.
+    """
     files = {installation.unit: unit_text(installation)}
     if installation.is_system:
         files[installation.rules] = RULES

@@ -27,7 +27,10 @@ class GpioLine(Struct, frozen=True):
     is_active_low: bool = False
 
     async def levels(self) -> AsyncGenerator[float, None]:
-        """Yield 1.0 (active) or 0.0 now, at each change, and every second. Raises OSError, SensorError."""
+        """Yield 1.0 (active) or 0.0 now, at each change, and every second.
+
+        Raises OSError, SensorError, and ConfigError if gpiod is not installed.
+        """
         gpiod = gpio_package()
         changed = asyncio.Event()
         loop = asyncio.get_running_loop()

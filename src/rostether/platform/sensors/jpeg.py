@@ -40,7 +40,7 @@ def pillow() -> Any:
 
 
 def changed_jpeg(data: bytes, change: PictureChange) -> bytes:
-    """Return a changed JPEG picture. Raises SensorError for invalid data."""
+    """Return a changed JPEG picture. Raises SensorError for invalid data, ConfigError without Pillow."""
     image_module = pillow()
     try:
         with image_module.open(io.BytesIO(data), formats=["JPEG"]) as image:
@@ -55,7 +55,10 @@ def changed_jpeg(data: bytes, change: PictureChange) -> bytes:
 
 
 def jpeg_of_yuyv(data: bytes, width: int, height: int, change: PictureChange) -> bytes:
-    """Return a raw picture (YUV 4:2:2, two bytes per pixel) as JPEG. Raises SensorError for too few bytes."""
+    """Return a raw picture (YUV 4:2:2, two bytes per pixel) as JPEG.
+
+    Raises SensorError for too few bytes, ConfigError without Pillow.
+    """
     image_module = pillow()
     size = width * height
     if len(data) < 2 * size:
@@ -70,7 +73,10 @@ def jpeg_of_yuyv(data: bytes, width: int, height: int, change: PictureChange) ->
 
 
 def draw_test_picture(count: int, change: PictureChange) -> bytes:
-    """Return a JPEG picture with color bars, a moving square, a counter and the time."""
+    """Return a JPEG picture with color bars, a moving square, a counter and the time.
+
+    Raises ConfigError without Pillow.
+    """
     image_module = pillow()
     from PIL import ImageDraw
 

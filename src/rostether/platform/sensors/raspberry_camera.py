@@ -19,7 +19,10 @@ def has_picamera2() -> bool:
 
 
 class RaspberryCamera:
-    """The first camera. The hardware rotates, scales and encodes pictures."""
+    """The first camera. The hardware rotates, scales and encodes pictures.
+
+    Raises ConfigError if picamera2 is not installed.
+    """
 
     def __init__(self, change: PictureChange) -> None:
         if not has_picamera2():

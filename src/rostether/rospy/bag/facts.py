@@ -60,7 +60,10 @@ class CompressionTuple(NamedTuple):
 
 
 def types_and_topics(reader: RecordingReader, names: frozenset[str] | None) -> TypesAndTopicsTuple:
-    """Return a recording's types and topics; a frequency is the inverse of the median interval."""
+    """Return a recording's types and topics; a frequency is the inverse of the median interval.
+
+    Raises RecordingError.
+    """
     counts = {each: n for each, n in reader.counts.items() if names is None or each.topic in names}
     types = {each.type.name: each.type.md5sum for each in counts}
     rates = message_rates_hz(reader, counts.__contains__)

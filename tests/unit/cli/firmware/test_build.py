@@ -195,7 +195,8 @@ def test_upload_reports_a_missing_port_or_sketch_before_it_builds(
     assert "no serial port /dev/nowhere" in shell.failure(
         "firmware", "upload", "Broken", "--port", "/dev/nowhere"
     )
-    assert "contains no .ino or .cpp file; give the folder" in shell.failure("firmware", "upload", ".", "--port", "/dev/nowhere")
+    failure = shell.failure("firmware", "upload", ".", "--port", "/dev/nowhere")
+    assert "contains no .ino or .cpp file; give the folder" in failure
 
 
 def test_upload_flashes_nothing_that_does_not_fit(
