@@ -15,7 +15,7 @@ from rostether.msgdef.md5sum import message_md5sum
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.spec import MessageSpec, ServiceSpec
 
-# A package that misses another one may fail in each of its types; the first few show the reason.
+# If a package needs another one that is missing, each of its types may fail; the first few show the reason.
 MAX_FAILURES_SHOWN = 5
 
 _MESSAGE_HEADER = "ros/message.h"

@@ -24,8 +24,8 @@ def bag_option(group: str) -> Callable[[Any], Any]:
 def recorded_registry(recording: Path, name: str) -> Registry:
     """Return the types of a recording's topics, as their publishers defined them.
 
-    Raises RecordingError, ConfigError if an extra is missing, UnknownTypeError if the recording lacks the type
-    `name`, and DefinitionError if its definition is invalid; those of other types may be invalid.
+    Raises RecordingError, ConfigError if an extra is missing, UnknownTypeError if the recording lacks the
+    type `name`, and DefinitionError if its definition is invalid; those of other types may be invalid.
     """
     from rostether.msgdef.registry import Registry
     from rostether.recording.files import open_recording
