@@ -193,3 +193,24 @@ print(json.dumps(ways, sort_keys=True))
         for state, by_status in TRANSITIONS.items()
     }
     assert rostether == debian
+
+
+async def test_arguments_of_functions(roscore: Ros1Peers) -> None:
+    reference, own = [
+        json.loads("".join(await printed(roscore, python, "signatures.py"))) for python in PYTHONS
+    ]
+    # These need what only a real rospy has; a later genpy has renamed the argument of `deserialize`.
+    different = {"anonymous_name", "deserialize", "Manifest", "publish_message", "ROSBagFormatException"}
+    different |= {"ServerGoalHandle", "strify_message", "Topic"}
+    compared = 0
+    for name in reference.keys() & own.keys():
+        wanted, found = reference[name], own[name]
+        if wanted is None or found is None or name.rpartition(".")[2] in different:
+            continue
+        compared += 1
+        # Further arguments are optional.
+        assert [each.rstrip("=") for each in found[: len(wanted)]] == [each.rstrip("=") for each in wanted], (
+            name
+        )
+        assert all(each.endswith("=") for each in found[len(wanted) :]), name
+    assert compared > 500

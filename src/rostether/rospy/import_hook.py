@@ -30,7 +30,7 @@ _IMPLEMENTATIONS = {
     "actionlib.action_client": "actionlib.action_client actionlib.client_goal actionlib.comm_states",
     "actionlib.action_server": "actionlib.action_server",
     "actionlib.exceptions": "actionlib.action_types",
-    "actionlib.goal_id_generator": "actionlib.server_goal",
+    "actionlib.goal_id_generator": "actionlib.goal_ids",
     "actionlib.server_goal_handle": "actionlib.server_goal",
     "actionlib.simple_action_client": "actionlib.simple_action_client",
     "actionlib.simple_action_server": "actionlib.simple_action_server",

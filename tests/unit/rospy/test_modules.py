@@ -23,6 +23,33 @@ async def test_frames(master: str) -> None:
     assert "True True True True" in lines
 
 
+async def test_functions_are_those_of_rospy() -> None:
+    script = """
+import inspect, actionlib, actionlib.goal_id_generator, rosbag, rospy, tf2_ros
+for name in ("get_param_cached", "on_shutdown", "resolve_name", "signal_shutdown"):
+    print(name == getattr(rospy, name).__name__, list(inspect.signature(getattr(rospy, name)).parameters))
+for owner in (tf2_ros.BufferInterface.lookup_transform_full, tf2_ros.BufferClient.can_transform_full):
+    print(list(inspect.signature(owner).parameters)[1:])
+print([type(getattr(rosbag.Bag, name)).__name__ for name in ("filename", "mode", "version")])
+print(hasattr(actionlib.goal_id_generator, "ServerGoalHandle"))
+event = rospy.timer.TimerEvent(None, None, rospy.Time(1), rospy.Time(2), None)
+event.note = "seen"
+print({event: event.note}[event])
+"""
+    times = ["target_frame", "target_time", "source_frame", "source_time", "fixed_frame", "timeout"]
+    assert await printed(script) == [
+        "True ['param_name', 'default']",
+        "True ['h']",
+        "True ['name', 'caller_id']",
+        "True ['reason']",
+        f"{times}",
+        f"{times}",
+        "['property', 'property', 'property']",
+        "False",
+        "seen",
+    ]
+
+
 async def test_rotations_of_tf_conversions() -> None:
     script = "import tf_conversions; print(tf_conversions.transformations.quaternion_from_euler(0, 0, 0)[3])"
     assert await printed(script) == ["1.0"]

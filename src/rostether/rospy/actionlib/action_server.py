@@ -8,7 +8,8 @@ from typing import Any
 
 from rostether.rospy.actionlib.action_client import queue_size
 from rostether.rospy.actionlib.action_types import ActionClasses, GoalID, GoalStatus, GoalStatusArray
-from rostether.rospy.actionlib.server_goal import GoalIDGenerator, ServedGoal, ServerGoalHandle
+from rostether.rospy.actionlib.goal_ids import GoalIDGenerator
+from rostether.rospy.actionlib.server_goal import ServedGoal, ServerGoalHandle
 from rostether.rospy.client.logs import logdebug, logwarn
 from rostether.rospy.client.names import remap_name
 from rostether.rospy.client.parameters import get_param, has_param, search_param

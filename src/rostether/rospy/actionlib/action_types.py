@@ -41,12 +41,12 @@ class ActionClasses(Struct, frozen=True):
             raise ActionException(f"Type is not an action spec: {action}") from None
 
 
-def name_of_state(states: Any, number: int) -> str:
-    """Return the name of the constant in `states` with the value `number`, or NO_SUCH_STATE_number."""
-    for name, value in vars(states).items():
-        if isinstance(value, int) and value == number:
+def name_of_state(C: Any, n: int) -> str:
+    """Return the name of the constant in the class `C` with the value `n`, or NO_SUCH_STATE_n."""
+    for name, value in vars(C).items():
+        if isinstance(value, int) and value == n:
             return str(name)
-    return f"NO_SUCH_STATE_{number}"
+    return f"NO_SUCH_STATE_{n}"
 
 
 # Programs print GoalStatus.to_string(client.get_state()).

@@ -1,16 +1,14 @@
-"""A goal in an action server: its id, its status, and the program's handle to it."""
+"""A goal in an action server: its status, and the program's handle to it."""
 
 from __future__ import annotations
 
-import itertools
-from typing import Any
+import threading
+from typing import Any, Protocol
 
 from rostether.rospy.actionlib.action_types import GoalID, GoalStatus
+from rostether.rospy.actionlib.goal_ids import GoalIDGenerator
 from rostether.rospy.client.logs import logdebug, logerr
-from rostether.rospy.client.names import get_name
 from rostether.rospy.client.ros_time import Time
-
-_numbers = itertools.count(1)
 
 _CANCELLED = {
     GoalStatus.PENDING: GoalStatus.RECALLED,
@@ -21,22 +19,6 @@ _CANCELLED = {
 _ACCEPTED = {GoalStatus.PENDING: GoalStatus.ACTIVE, GoalStatus.RECALLING: GoalStatus.PREEMPTING}
 _REJECTED = {GoalStatus.PENDING: GoalStatus.REJECTED, GoalStatus.RECALLING: GoalStatus.REJECTED}
 _CANCEL_REQUESTED = {GoalStatus.PENDING: GoalStatus.RECALLING, GoalStatus.ACTIVE: GoalStatus.PREEMPTING}
-
-
-class GoalIDGenerator:
-    """Generates ids that start with a name (default: the node's name)."""
-
-    def __init__(self, name: str | None = None) -> None:
-        self.name = get_name() if name is None else name
-
-    def set_name(self, name: str) -> None:
-        """Change the name."""
-        self.name = name
-
-    def generate_ID(self) -> Any:
-        """Return a unique GoalID."""
-        now = Time.now()
-        return GoalID(id=f"{self.name}-{next(_numbers)}-{now.secs}.{now.nsecs}", stamp=now)
 
 
 class ServedGoal:
@@ -53,13 +35,28 @@ class ServedGoal:
             self.status.goal_id.stamp = Time.now()
 
 
+class GoalPublisher(Protocol):
+    """The part of a server that the handle of a goal uses; a change of a status holds `lock`."""
+
+    lock: threading.RLock
+    ActionResultType: Any
+
+    def publish_status(self) -> None:
+        """Publish the list of goals."""
+
+    def publish_result(self, status: Any, result: Any) -> None:
+        """Publish the result of a goal, and the list of goals."""
+
+    def publish_feedback(self, status: Any, feedback: Any) -> None:
+        """Publish the progress of a goal."""
+
+
 class ServerGoalHandle:
-    """A program's handle to a goal of an ActionServer; an empty handle does nothing.
+    """A program's handle to a goal; an empty handle does nothing."""
 
-    A change of a status holds the server's `lock`.
-    """
-
-    def __init__(self, status_tracker: ServedGoal | None = None, action_server: Any = None) -> None:
+    def __init__(
+        self, status_tracker: ServedGoal | None = None, action_server: GoalPublisher | None = None
+    ) -> None:
         self.status_tracker = status_tracker
         self.action_server = action_server
         self.goal: Any = None if status_tracker is None else status_tracker.goal
@@ -163,7 +160,7 @@ class ServerGoalHandle:
                 goal.ended_at = Time.now()
                 server.publish_result(goal.status, self.get_default_result() if result is None else result)
 
-    def _found(self, what: str) -> tuple[Any, ServedGoal] | None:
+    def _found(self, what: str) -> tuple[GoalPublisher, ServedGoal] | None:
         if self.goal is None or self.action_server is None or self.status_tracker is None:
             logerr("Attempt to %s on an uninitialized ServerGoalHandle", what)
             return None

@@ -49,11 +49,8 @@ VERSION = 200
 class Bag:
     """A bag opened for reading (`r`), writing (`w`) or appending (`a`); `skip_index` has no effect.
 
-    `filename` and `mode` are as given, `version` is that of the format.
     Raises ROSBagException, ValueError for an invalid argument, OSError for a missing file.
     """
-
-    version = VERSION
 
     def __init__(
         self,
@@ -72,8 +69,8 @@ class Bag:
         if mode not in ("r", "w", "a"):
             raise ValueError(f'mode "{mode}" is invalid')
         settings = dict(options or {})
-        self.filename = str(f)
-        self.mode = mode
+        self._filename = str(f)
+        self._mode = mode
         self._compression = settings.get("compression", compression)
         self._chunk_threshold = settings.get("chunk_threshold", chunk_threshold)
         self._reader: RecordingReader | None = None
@@ -104,6 +101,21 @@ class Bag:
 
     def __str__(self) -> str:
         return self._get_yaml_info()
+
+    @property
+    def filename(self) -> str:
+        """The file's name, as given."""
+        return self._filename
+
+    @property
+    def version(self) -> int:
+        """The format's version: 200."""
+        return VERSION
+
+    @property
+    def mode(self) -> str:
+        """The mode in which the bag was opened."""
+        return self._mode
 
     @property
     def options(self) -> dict[str, Any]:
@@ -248,7 +260,7 @@ class Bag:
 
     def _get_yaml_info(self, key: str | None = None) -> str:
         with self._reading() as reader:
-            return yaml_text(self.filename, reader, key)
+            return yaml_text(self._filename, reader, key)
 
     def _open(self, path: Path) -> RecordingReader:
         try:

@@ -123,13 +123,21 @@ def get_name() -> str:
 
 
 get_caller_id = get_name
-resolve_name = names.resolve
-resolve_name_without_node_name = names.resolve_early
 
 
 def get_namespace() -> str:
     """Return the node's namespace, with a slash at the end."""
     return names.namespace
+
+
+def resolve_name(name: str, caller_id: str | None = None) -> str:
+    """Return the full name after remapping."""
+    return names.resolve(name, caller_id)
+
+
+def resolve_name_without_node_name(name: str) -> str:
+    """Return a full name before init_node. Raises ValueError, ROSInitException."""
+    return names.resolve_early(name)
 
 
 def remap_name(name: str, caller_id: str | None = None, resolved: bool = True) -> str:

@@ -27,8 +27,9 @@ def get_param(param_name: str, default: Any = _UNSPECIFIED) -> Any:
         return default
 
 
-# Unlike in rospy, nothing is cached: it also asks the master each time.
-get_param_cached = get_param
+def get_param_cached(param_name: str, default: Any = _UNSPECIFIED) -> Any:
+    """Return a parameter's value, like `get_param`: nothing is cached. Raises the same errors."""
+    return get_param(param_name, default)
 
 
 def get_param_names() -> list[str]:

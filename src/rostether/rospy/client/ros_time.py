@@ -146,7 +146,7 @@ class Rate:
         return self.sleep_dur - (now - self.last_time)
 
 
-class TimerEvent(Struct):
+class TimerEvent(Struct, dict=True, eq=False):
     """The argument of a timer's callback: the expected and real times of this call and of the last one.
 
     `last_duration` is the time in seconds that the last callback took.

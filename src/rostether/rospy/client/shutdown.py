@@ -14,10 +14,7 @@ from typing import Any
 
 
 class Shutdown:
-    """The state of the shutdown; hooks run once: first those of the program, then those of rospy.
-
-    The names of arguments are rospy's, because some methods are functions of rospy.
-    """
+    """The state of the shutdown; hooks run once: first those of the program, then those of rospy."""
 
     def __init__(self) -> None:
         self.event = threading.Event()
@@ -28,25 +25,25 @@ class Shutdown:
         self._hooks: list[Callable[[str], object]] = []
         self._previous: dict[int, Any] = {}
 
-    def on_client(self, h: Callable[[], object]) -> None:
+    def on_client(self, hook: Callable[[], object]) -> None:
         """Add a hook of the program, which can still publish; during a shutdown, call it immediately.
 
         Raises TypeError for a hook that cannot be called.
         """
-        if not callable(h):
-            raise TypeError(f"shutdown hook [{h}] must be a function or callable object: {type(h)}")
+        if not callable(hook):
+            raise TypeError(f"shutdown hook [{hook}] must be a function or callable object: {type(hook)}")
         if self.event.is_set():
-            h()
+            hook()
         else:
-            self._client_hooks.append(h)
+            self._client_hooks.append(hook)
 
-    def add_early(self, h: Callable[[str], object]) -> None:
+    def add_early(self, hook: Callable[[str], object]) -> None:
         """Add a hook that gets the reason, after the program's hooks and before the node leaves."""
-        self._early_hooks.append(h)
+        self._early_hooks.append(hook)
 
-    def add(self, h: Callable[[str], object]) -> None:
+    def add(self, hook: Callable[[str], object]) -> None:
         """Add a hook that gets the reason, after the node counts as shut down."""
-        self._hooks.append(h)
+        self._hooks.append(hook)
 
     def signal(self, reason: str) -> None:
         """End the node, and return after it has left the graph. Idempotent."""
@@ -97,7 +94,24 @@ def is_shutdown_requested() -> bool:
     return shutdown.is_requested
 
 
-signal_shutdown = shutdown.signal
-on_shutdown = add_client_shutdown_hook = shutdown.on_client
-add_preshutdown_hook = shutdown.add_early
-add_shutdown_hook = shutdown.add
+def signal_shutdown(reason: str) -> None:
+    """Shut the node down."""
+    shutdown.signal(reason)
+
+
+def on_shutdown(h: Callable[[], object]) -> None:
+    """Add a function to call at the shutdown, before the node leaves the graph."""
+    shutdown.on_client(h)
+
+
+add_client_shutdown_hook = on_shutdown
+
+
+def add_preshutdown_hook(h: Callable[[str], object]) -> None:
+    """Add a function to call with the reason, after those of `on_shutdown`."""
+    shutdown.add_early(h)
+
+
+def add_shutdown_hook(h: Callable[[str], object]) -> None:
+    """Add a function to call with the reason at the shutdown."""
+    shutdown.add(h)

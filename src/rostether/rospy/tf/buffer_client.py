@@ -80,18 +80,28 @@ class BufferClient(BufferInterface):
             advanced=True,
         )
 
-    def can_transform(self, *arguments: Any, **named: Any) -> bool:
+    def can_transform(self, target_frame: str, source_frame: str, time: Any, timeout: Any = NO_TIME) -> bool:
         """Return whether `lookup_transform` with these arguments succeeds."""
         try:
-            self.lookup_transform(*arguments, **named)
+            self.lookup_transform(target_frame, source_frame, time, timeout)
         except TransformException:
             return False
         return True
 
-    def can_transform_full(self, *arguments: Any, **named: Any) -> bool:
+    def can_transform_full(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+        timeout: Any = NO_TIME,
+    ) -> bool:
         """Return whether `lookup_transform_full` with these arguments succeeds."""
         try:
-            self.lookup_transform_full(*arguments, **named)
+            self.lookup_transform_full(
+                target_frame, target_time, source_frame, source_time, fixed_frame, timeout
+            )
         except TransformException:
             return False
         return True

@@ -123,10 +123,20 @@ class BufferInterface:
         moved = self.registration.get(type(object_stamped))(object_stamped, found)
         return convert(moved, new_type) if new_type else moved
 
-    def lookup_transform(self, *arguments: Any, **named: Any) -> Any:
-        """Return the pose of the source in the target; the arguments are those of `Buffer`."""
+    def lookup_transform(
+        self, target_frame: str, source_frame: str, time: Any, timeout: Any = NO_TIME
+    ) -> Any:
+        """Return the pose of the source in the target."""
         raise NotImplementedException
 
-    def lookup_transform_full(self, *arguments: Any, **named: Any) -> Any:
-        """Return the pose of the source at one time in the target at another, like `lookup_transform`."""
+    def lookup_transform_full(
+        self,
+        target_frame: str,
+        target_time: Any,
+        source_frame: str,
+        source_time: Any,
+        fixed_frame: str,
+        timeout: Any = NO_TIME,
+    ) -> Any:
+        """Return the pose of the source at one time in the target at another."""
         raise NotImplementedException

@@ -12,7 +12,7 @@ from rostether.mechanisms.anonymous import anonymous_name as anonymous_name
 from rostether.names.graph_name import canonical, is_global, is_private, join
 from rostether.names.graph_name import is_legal_name as _is_legal
 from rostether.rospy.client.exceptions import ROSException
-from rostether.rospy.client.names import NodeNames, full_name, is_remap_argument, parent_namespace
+from rostether.rospy.client.names import NodeNames, is_remap_argument, parent_namespace
 
 SEP = "/"
 GLOBALNS = "/"
@@ -89,7 +89,11 @@ def resolve_name(name: str, namespace_: str, remappings: Mapping[str, str] | Non
     """Return the full name after remapping, as in the node `namespace_`."""
     if not name:
         return namespace(namespace_)
-    name = full_name(name, namespace_)
+    name = canonical(name)
+    if is_private(name):
+        name = canonical(f"{namespace_}{SEP}{name[1:]}")
+    elif not is_global(name):
+        name = namespace(namespace_) + name
     return (remappings or {}).get(name, name)
 
 

@@ -4,6 +4,7 @@ import pytest
 
 from rostether.rospy.client.exceptions import ROSInitException
 from rostether.rospy.client.names import NodeNames, is_remap_argument
+from rostether.rospy.tools import graph_names
 
 
 def test_before_init_node() -> None:
@@ -52,3 +53,16 @@ def test_arguments(argument: str, is_ours: bool) -> None:
 def test_a_parameter_that_is_not_yaml() -> None:
     with pytest.raises(ROSInitException, match="_p:="):
         NodeNames(["_p:=[1"], {})
+
+
+@pytest.mark.parametrize(
+    ("name", "caller_id", "full_name"),
+    [
+        ("a", "/ns/node", "/ns/a"),
+        ("a", "ns/node", "ns/a"),
+        ("a", "/ns//node", "/ns//a"),
+        ("~a", "/n", "/n/a"),
+    ],
+)
+def test_full_name_as_in_rosgraph(name: str, caller_id: str, full_name: str) -> None:
+    assert graph_names.resolve_name(name, caller_id) == full_name

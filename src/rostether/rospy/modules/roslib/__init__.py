@@ -5,7 +5,7 @@ from rostether.rospy.import_hook import import_submodules as _import_submodules
 _import_submodules(__name__)
 
 
-def load_manifest(package_name: str) -> None:
+def load_manifest(package_name: str, bootstrap_version: str = "0.7") -> None:
     """Do nothing: packages are importable without their manifest."""
 
 
