@@ -10,7 +10,7 @@ from rostether.device.endpoint_handles import Messages, Publisher, Subscriber
 from rostether.device.line import DeviceLine
 from rostether.device.services import Handler, ServiceClient, ServiceServer
 from rostether.graph.callbacks import require_callable, require_plain
-from rostether.graph.log_message import LogMethods
+from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES
 from rostether.rosserial.device_link import DeviceLink
 from rostether.rostime import Time

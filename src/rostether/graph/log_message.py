@@ -1,12 +1,8 @@
-"""Log messages: the methods that log them, and their bytes.
-
-rosgraph_msgs/Log is written by hand, because a node can log before the modules for types have been loaded.
-"""
+"""rosgraph_msgs/Log, written by hand: a node can log before the modules for types have been loaded."""
 
 from __future__ import annotations
 
 import struct
-from abc import abstractmethod
 from collections.abc import Iterable
 from typing import NamedTuple
 
@@ -81,38 +77,3 @@ def encode_log(
 def _string(text: str, max_bytes: int | None = None) -> bytes:
     encoded = text.encode("utf-8", "replace")[:max_bytes]
     return _UINT32.pack(len(encoded)) + encoded
-
-
-class LogMethods:
-    """Adds a method for each level to a class with `log`.
-
-    A text with values is formatted with `%`, as in rospy: `loginfo("%.2f m", distance)`.
-    """
-
-    @abstractmethod
-    def log(self, level: Level, text: str) -> None:
-        """Log a text on /rosout."""
-
-    def logdebug(self, text: object, *values: object) -> None:
-        """Log at level DEBUG."""
-        self.log(Level.DEBUG, _text(text, values))
-
-    def loginfo(self, text: object, *values: object) -> None:
-        """Log at level INFO."""
-        self.log(Level.INFO, _text(text, values))
-
-    def logwarn(self, text: object, *values: object) -> None:
-        """Log at level WARN."""
-        self.log(Level.WARN, _text(text, values))
-
-    def logerror(self, text: object, *values: object) -> None:
-        """Log at level ERROR."""
-        self.log(Level.ERROR, _text(text, values))
-
-    def logfatal(self, text: object, *values: object) -> None:
-        """Log at level FATAL."""
-        self.log(Level.FATAL, _text(text, values))
-
-
-def _text(text: object, values: tuple[object, ...]) -> str:
-    return str(text) % values if values else str(text)

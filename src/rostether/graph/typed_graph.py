@@ -13,7 +13,7 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar, overload
 
 from rostether.errors import GraphError, RostetherError, ServiceCallError
 from rostether.graph.callbacks import require_callable, require_plain
-from rostether.graph.log_message import LogMethods
+from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES, LearnedTypes, MessageStream
 from rostether.graph.ports import Graph, Level, ParamValue, ServiceServer, Snapshot, Watch
 from rostether.graph.typed_handles import CallbackSubscriber, MessageLike, TypedPublisher, TypedServiceClient

@@ -11,7 +11,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.block_end import task_beside
 from rostether.robot.robot_description import read_model
 from rostether.robot.robot_state import RobotState, RobotStateSettings
-from rostether.robot.tf_topics import tf_publisher, tf_static_publisher, to_message
+from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
 from rostether.rostime import NS_PER_S
 
 # As in ROS. Joint states arrive fifty times a second, and each of them may have a problem.

@@ -22,7 +22,7 @@ from rostether.errors import ConfigError
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph
 from rostether.mechanisms.tasks import run_until
-from rostether.robot.tf_topics import tf_publisher, tf_static_publisher, to_message
+from rostether.robot.tf_messages import tf_publisher, tf_static_publisher, to_message
 from rostether.robot.transform import (
     Quaternion,
     StampedTransform,

@@ -19,7 +19,8 @@ from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.block_end import closed_at_end
 from rostether.mechanisms.tasks import cancel_all, start_task
 from rostether.robot.tf_buffer import TransformBuffer
-from rostether.robot.tf_topics import tf_listener, to_message
+from rostether.robot.tf_listener import tf_listener
+from rostether.robot.tf_messages import to_message
 from rostether.robot.transform import StampedTransform, Transform
 
 NODE_NAME = "tf2_web_republisher"

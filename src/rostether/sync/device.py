@@ -11,7 +11,7 @@ from rostether.device.endpoint_handles import Messages as DeviceMessages
 from rostether.device.endpoint_handles import Publisher as DevicePublisher
 from rostether.device.services import Answer
 from rostether.device.services import ServiceClient as DeviceServiceClient
-from rostether.graph.log_message import LogMethods
+from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES
 from rostether.mechanisms.callback_thread import CallbackThread
 from rostether.serde.type_classes import Request, Response, Service, name_of_type

@@ -8,7 +8,7 @@ from functools import partial, wraps
 from typing import Any, ParamSpec, TypeVar, overload
 
 from rostether import joining
-from rostether.graph.log_message import LogMethods
+from rostether.graph.log_methods import LogMethods
 from rostether.graph.message_stream import DEFAULT_QUEUE_MESSAGES
 from rostether.graph.ports import ParamValue
 from rostether.graph.typed_graph import TypedGraph

@@ -20,7 +20,7 @@ from rostether.firmware.build import build_sketch, find_board
 from rostether.firmware.built_firmware import BuildOptions
 from rostether.graph.typed_graph import TypedGraph
 from rostether.robot.tf_buffer import TransformBuffer
-from rostether.robot.tf_topics import from_message
+from rostether.robot.tf_messages import from_message
 from rostether.robot.urdf import parse_urdf
 from rostether.ros1.master.server import MasterServer
 from rostether.simulation.simavr.simulated_board import SimulatedBoard

@@ -9,7 +9,7 @@ from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import ParamValue
 from rostether.mechanisms.block_end import task_beside
 from rostether.robot.robot_state_publisher import publish_robot_state
-from rostether.robot.tf_topics import TF_TYPE, from_message
+from rostether.robot.tf_messages import TF_TYPE, from_message
 from unit.robot.graphs import entered, first
 from unit.robot.robots import ARM, ROVER
 

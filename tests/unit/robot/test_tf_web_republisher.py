@@ -17,7 +17,7 @@ from rostether.graph.typed_graph import TypedGraph
 from rostether.graph.typed_handles import TypedPublisher
 from rostether.mechanisms.block_end import task_beside
 from rostether.robot import tf_web_republisher
-from rostether.robot.tf_topics import tf_publisher, to_message
+from rostether.robot.tf_messages import tf_publisher, to_message
 from rostether.robot.tf_web_republisher import MAX_FRAMES, republish_for_web
 from rostether.robot.transform import StampedTransform, Transform, quaternion_from_rpy
 from unit.robot.graphs import entered

@@ -145,7 +145,8 @@ async def tool_node(
     """
     from rostether.graph.typed_graph import TypedGraph
     from rostether.ros2.types.native_registry import NativeRegistry
-    from rostether.ros2.types.native_types import NativeClasses, NativeTypes, UndefinedTypes
+    from rostether.ros2.types.native_types import NativeClasses, NativeTypes
+    from rostether.ros2.types.undefined_types import UndefinedTypes
     from rostether.serde.store import TypeStore
 
     middleware = options.ros2

@@ -162,7 +162,7 @@ def recording_types(origins: Iterable[Ros2Origin], msg_paths: tuple[Path, ...] =
     from rostether.msgdef.ros2.definitions import Ros2Definitions
     from rostether.recording.ros2_types import RecordedDefinitions
     from rostether.ros2.types.native_registry import NativeRegistry
-    from rostether.ros2.types.native_types import UndefinedTypes
+    from rostether.ros2.types.undefined_types import UndefinedTypes
 
     definitions = RecordedDefinitions(Ros2Definitions.from_environment(msg_paths))
     for origin in origins:

@@ -30,9 +30,9 @@ from rostether.errors import TransformError
 from rostether.mechanisms.tasks import occurs_within, run_until
 from rostether.mechanisms.text import escape_line
 from rostether.robot.tf_buffer import TransformBuffer
+from rostether.robot.tf_listener import tf_listener
 from rostether.robot.tf_report import format_transform, frame_facts, frame_tree, frames_as_dot
 from rostether.robot.tf_statistics import TfStatistics
-from rostether.robot.tf_topics import tf_listener
 from rostether.robot.transform import StampedTransform, rpy_from_quaternion
 
 # Faster than a person can read; a script that needs every message echoes /tf.

@@ -14,7 +14,7 @@ from rostether.graph.ports import Snapshot
 from rostether.msgdef.interface import MessageType
 
 FindType: TypeAlias = Callable[[str], MessageType | None]
-# {name: (nodes, the type to describe)}
+# By name: the nodes, and the type to describe; empty without one.
 _Table: TypeAlias = dict[str, tuple[tuple[str, ...], str]]
 
 _PUBLISHED, _SUBSCRIBED, _OFFERED = "publishedTopics", "subscribedTopics", "advertisedServices"
@@ -34,18 +34,16 @@ class ConnectionGraph:
     def update(self, snapshot: Snapshot) -> dict[str, Any] | None:
         """Return the changes since the last update, None if there are none."""
         topics, services = snapshot.topics.values(), snapshot.services.values()
-        before, now = (
-            self._tables,
-            {
-                _PUBLISHED: {each.name: (each.publishers, "") for each in topics if each.publishers},
-                _SUBSCRIBED: {
-                    each.name: (each.subscribers, "" if each.publishers else each.type)
-                    for each in topics
-                    if each.subscribers
-                },
-                _OFFERED: {each.name: (each.providers, "") for each in services if each.providers},
+        before = self._tables
+        now: dict[str, _Table] = {
+            _PUBLISHED: {each.name: (each.publishers, "") for each in topics if each.publishers},
+            _SUBSCRIBED: {
+                each.name: (each.subscribers, "" if each.publishers else each.type)
+                for each in topics
+                if each.subscribers
             },
-        )
+            _OFFERED: {each.name: (each.providers, "") for each in services if each.providers},
+        }
         self._tables = now
         changes = {
             key: [

@@ -15,7 +15,7 @@ from rostether.mechanisms.tasks import cancel_all
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.listed_client import ListedClient
-from rostether.ros2.parameters.graph_parameters import Ros2Membership
+from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import RclpyPublication
 from rostether.ros2.rclpy.services import (
@@ -33,7 +33,7 @@ PUBLISHER_POLL_INTERVAL_S = 0.2
 
 
 class RclpyEndpoints(Ros2Membership):
-    """The part of a `RclpyGraph` that creates the endpoints of its node, and ends them with the node."""
+    """The part of an `RclpyGraph` that creates the endpoints of its node, and ends them with the node."""
 
     def __init__(self, own: OwnNode, namespace: str, remappings: Mapping[str, str]) -> None:
         super().__init__(own.name, namespace, remappings)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 from rostether.errors import DefinitionError, UnknownTypeError
-from rostether.msgdef.interface import ANY_MD5SUM, MessageType, ServiceType
+from rostether.msgdef.interface import MessageType, ServiceType
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.ros2.definitions import Ros2Definitions
-from rostether.ros2.types.native_registry import NativeRegistry, short_name
+from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.paired_definitions import PairedDefinitions
 from rostether.ros2.types.type_support import (
-    ANY_HASH,
     MessageSupport,
     Ros2Types,
     ServiceSupport,
@@ -20,7 +19,6 @@ from rostether.ros2.types.type_support import (
     native_message,
     native_service,
 )
-from rostether.serde.cdr.converter import CdrConverter
 from rostether.serde.type_tree import Array, Node, Struct
 from rostether.serde.values import Message, MessageClasses
 
@@ -111,52 +109,6 @@ def _maker(node: Node, default: Any) -> Any:
         return default
     values = tuple(default)
     return bytes(values) if node.is_bytes else lambda: list(values)
-
-
-class UndefinedTypes(NativeTypes):
-    """Types by name; payloads of types without a definition are CDR.
-
-    An unknown type has only a name and the hash of its publisher, but no md5sum and no text.
-    """
-
-    def __init__(self, registry: NativeRegistry, *, asks_nodes: bool = True) -> None:
-        super().__init__(registry)
-        self.asks_nodes = asks_nodes
-        self._undefined: dict[str, MessageSupport] = {}
-
-    def received(self, name: str, type_hash: str) -> MessageSupport:
-        """Return a message type's support; payloads remain CDR if no definition has the publisher's hash."""
-        try:
-            support = self.by_name(name)
-        except UnknownTypeError:
-            pass
-        else:
-            if support.type_hash in (type_hash, ANY_HASH) or not type_hash.startswith("RIHS"):
-                return support
-        message_type = MessageType(short_name(name), ANY_MD5SUM)
-        support = MessageSupport(name, type_hash, message_type, cast("CdrConverter", _Unchanged()))
-        self._undefined[message_type.name] = support
-        return support
-
-    def message(self, message_type: MessageType) -> MessageSupport:
-        """Return a message type's support in ROS 2. Raises the same errors as `Ros2Types.message`."""
-        if message_type.md5sum == ANY_MD5SUM and message_type.name in self._undefined:
-            return self._undefined[message_type.name]
-        return super().message(message_type)
-
-    def full_text(self, message_type: MessageType) -> str:
-        """Return the ROS 2 text of a message type; empty without a definition."""
-        return "" if message_type.md5sum == ANY_MD5SUM else super().full_text(message_type)
-
-
-class _Unchanged:
-    """Returns CDR unchanged."""
-
-    def from_cdr(self, cdr: bytes) -> bytes:
-        return cdr
-
-    def to_cdr(self, payload: bytes) -> bytes:
-        return payload
 
 
 def types_of(registry: Registry) -> Ros2Types:

@@ -18,7 +18,7 @@ from rostether.mechanisms.tasks import occurs_within
 from rostether.msgdef.interface import ANY_TYPE, MessageType, ServiceType
 from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.naming import dds_name, logger_name, type_of_dds_name, validate_topic_name
-from rostether.ros2.parameters.graph_parameters import Ros2Membership
+from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.type_description import learn_type
 from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.mismatches import is_of_type

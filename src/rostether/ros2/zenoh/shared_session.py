@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from rostether.graph.ports import Report
 from rostether.names.graph_name import namespace_of
 from rostether.ros2.naming import dds_name
-from rostether.ros2.parameters.graph_parameters import Ros2Membership
+from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.types.type_support import MessageSupport, Ros2Types, ServiceSupport
 from rostether.ros2.zenoh.graph_cache import GraphCache
 from rostether.ros2.zenoh.qos import DEFAULT_QOS, Qos

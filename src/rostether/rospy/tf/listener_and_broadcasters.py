@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from rostether.robot.tf_topics import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE
+from rostether.robot.tf_messages import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE
 from rostether.rospy.client.logs import logwarn
 from rostether.rospy.client.message_types import all_types
 from rostether.rospy.client.publisher import Publisher

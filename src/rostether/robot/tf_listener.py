@@ -1,9 +1,9 @@
-"""The topics /tf and /tf_static: converts and publishes their messages, and fills a tf buffer from them."""
+"""Fills a tf buffer from /tf and /tf_static."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 from typing import Any
@@ -11,43 +11,15 @@ from typing import Any
 from rostether.errors import RostetherError
 from rostether.graph.ports import OnMessages
 from rostether.graph.typed_graph import TypedGraph
-from rostether.graph.typed_handles import TypedPublisher
 from rostether.robot.tf_buffer import TransformBuffer
-from rostether.robot.transform import StampedTransform, transform_of
-from rostether.rostime import Time
-
-TF_TOPIC = "/tf"
-TF_STATIC_TOPIC = "/tf_static"
-TF_TYPE = "tf2_msgs/TFMessage"
+from rostether.robot.tf_messages import TF_STATIC_TOPIC, TF_TOPIC, TF_TYPE, from_message
+from rostether.robot.transform import StampedTransform
 
 # tf2's name for a publisher that sends no name.
 UNKNOWN_AUTHORITY = "unknown_publisher"
 
 # Gets the transforms of a message, the name of the node that sent it, and whether they are static.
 OnTransforms = Callable[[Sequence[StampedTransform], str, bool], None]
-
-
-def to_message(transforms: Iterable[StampedTransform]) -> dict[str, Any]:
-    """Return the fields of a tf2_msgs/TFMessage."""
-    return {"transforms": [_to_fields(each) for each in transforms]}
-
-
-def from_message(message: Any) -> Iterator[StampedTransform]:
-    """Yield the transforms of a tf2_msgs/TFMessage, or of a tf/tfMessage, which has the same fields."""
-    for each in message.transforms:
-        yield StampedTransform(
-            each.header.frame_id, each.child_frame_id, each.header.stamp.to_ns(), transform_of(each)
-        )
-
-
-async def tf_publisher(graph: TypedGraph) -> TypedPublisher[...]:
-    """Advertise /tf, for moving transforms."""
-    return await graph.publisher(TF_TOPIC, TF_TYPE)
-
-
-async def tf_static_publisher(graph: TypedGraph) -> TypedPublisher[...]:
-    """Advertise /tf_static. New subscribers get only the last message, so send all transforms in one."""
-    return await graph.publisher(TF_STATIC_TOPIC, TF_TYPE, latch=True)
 
 
 class TfListener:
@@ -115,16 +87,3 @@ async def tf_listener(
             )
             stack.push_async_callback(subscriber.close)
         yield listener
-
-
-def _to_fields(stamped: StampedTransform) -> dict[str, Any]:
-    tx, ty, tz = stamped.transform.translation
-    x, y, z, w = stamped.transform.rotation
-    return {
-        "header": {"stamp": Time.from_ns(stamped.stamp_ns), "frame_id": stamped.parent},
-        "child_frame_id": stamped.child,
-        "transform": {
-            "translation": {"x": tx, "y": ty, "z": tz},
-            "rotation": {"x": x, "y": y, "z": z, "w": w},
-        },
-    }

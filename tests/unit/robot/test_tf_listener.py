@@ -5,8 +5,9 @@ import pytest
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.mechanisms.block_end import task_beside
 from rostether.robot.static_transforms import StaticTransform, publish_static_transform
+from rostether.robot.tf_listener import TfListener, tf_listener
+from rostether.robot.tf_messages import TF_TYPE, from_message, tf_publisher, to_message
 from rostether.robot.tf_statistics import TfStatistics
-from rostether.robot.tf_topics import TF_TYPE, TfListener, from_message, tf_listener, tf_publisher, to_message
 from rostether.robot.transform import StampedTransform, Transform
 from rostether.rostime import Time
 from unit.robot.graphs import entered
