@@ -25,7 +25,8 @@ class ConnectionLimits(Struct, frozen=True):
     # The time for a connection to send its request.
     handshake_s: float = 10.0
 
-    # The time between pings; a client that has disappeared occupies a connection for two of these periods.
+    # The time between pings; a client that has disappeared occupies a connection for up to two of these
+    # periods.
     ping_period_s: float = 20.0
 
     # A client that leaves this number of pings unanswered, and reads nothing, has disconnected.
