@@ -92,7 +92,7 @@ class Db3Reader:
     ) -> Iterator[RecordedMessage]:
         """Yield messages sorted by time, from start to end inclusive. Raises RecordingError."""
         connections = wanted_connections(self._connections, wanted)
-        # Without a limit, a damaged time in the index hides no other message.
+        # Without limits there is no condition: a damaged time in the index must not hide other messages.
         limits = {"timestamp >= ?": start_ns, "timestamp <= ?": end_ns}
         given = {condition: time_ns for condition, time_ns in limits.items() if time_ns is not None}
         query = "SELECT topic_id, timestamp, data FROM messages"

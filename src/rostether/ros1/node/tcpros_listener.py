@@ -97,10 +97,11 @@ class TcprosListener:
         host = peer[0] if peer else ""
         limit, limit_per_host = self._limits.tcpros_connections, self._limits.tcpros_connections_per_host
         if len(self._served) >= limit:
-            raise GraphError(f"the limit of connections to this node ({limit}) is reached; close some")
+            shown = f"the limit of connections to this node ({limit})"
+            raise GraphError(f"{shown} is reached; close other connections")
         if not is_loopback(host) and list(self._served.values()).count(host) >= limit_per_host:
             shown = f"the limit of connections from one address ({limit_per_host})"
-            raise GraphError(f"{shown} is reached; close some")
+            raise GraphError(f"{shown} is reached; close other connections")
         if purpose_of(fields) is Purpose.SUBSCRIBE:
             successor = self._accept_subscriber(fields, transport)
         else:

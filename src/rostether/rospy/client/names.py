@@ -136,7 +136,7 @@ def resolve_name(name: str, caller_id: str | None = None) -> str:
 
 
 def resolve_name_without_node_name(name: str) -> str:
-    """Return a full name before init_node. Raises ValueError, ROSInitException."""
+    """Return the full name of a name that is used before init_node. Raises ValueError, ROSInitException."""
     return names.resolve_early(name)
 
 
