@@ -86,7 +86,7 @@ class Notices:
         if suppressed is None:
             return
         line = text if isinstance(text, str) else text()
-        self.report(level, f"{line} (and {suppressed} more the last time)" if suppressed else line)
+        self.report(level, f"{line} ({suppressed} more since the last such line)" if suppressed else line)
 
     def report_defect(self, error: Exception) -> None:
         """Report that a part of a session failed."""

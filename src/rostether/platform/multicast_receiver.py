@@ -255,5 +255,5 @@ class _Receiver:
         suppressed = self._limiter.admit(reason, self._last_s)
         # A reason contains text from the sender, so each datagram could have another one.
         if suppressed is not None and self._budget.admit(self._last_s) is not None:
-            also = f" ({suppressed} more since the last report)" if suppressed else ""
+            also = f" ({suppressed} more since the last such line)" if suppressed else ""
             self._report(Level.WARN, f"ignored {reason}{also}")

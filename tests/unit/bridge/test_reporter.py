@@ -61,7 +61,7 @@ def test_a_new_episode_reports_what_the_last_one_omitted(
     notices.report_episode("misfit", Level.WARN, "damaged", count=41)
     clock.now_s = PERIOD_S + 1
     notices.report_episode("misfit", Level.WARN, "damaged")
-    assert reporter.texts == ["damaged", "damaged (and 41 more the last time)"]
+    assert reporter.texts == ["damaged", "damaged (41 more since the last such line)"]
 
 
 def test_an_ended_episode_is_reported_again(notices: Notices, reporter: RecordingReporter) -> None:

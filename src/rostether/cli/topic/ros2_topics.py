@@ -87,7 +87,7 @@ class Ros2Topics(Ros2TopicListing):
             messages = [fill_or_default(codec, each, now=wall_time) for each in given]
             support = tool.types.by_name(definition.full_name)
             for checked in messages:
-                # Strings and arrays that are too long raise an error here; a publisher would omit the message.
+                # Strings or arrays that are too long raise an error here; a publisher would omit the message.
                 support.converter.to_cdr(codec.encode(checked))
             text = MessageText(tool.registry.ros2_message, TextStyle(truncate_length=None))
             is_latched = options.latch or options.qos_durability == "transient_local"
