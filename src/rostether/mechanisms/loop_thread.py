@@ -15,6 +15,10 @@ from typing import Any, TypeVar
 from rostether.errors import GraphError, RostetherError
 from rostether.mechanisms.tasks import start_task
 
+# A future cannot raise StopIteration. It would raise the CancelledError of threads as that of tasks, as if the
+# caller was canceled.
+_NOT_FOR_FUTURES = (StopIteration, concurrent.futures.CancelledError)
+
 _T = TypeVar("_T")
 
 # Users expect Ctrl-C to take effect within about this time.
@@ -139,10 +143,9 @@ async def run_in_thread(function: Callable[[], _T]) -> _T:
     def run() -> None:
         try:
             outcome.set_result(function())
-        except Exception as error:  # noqa: BLE001 - it belongs to the waiting caller
-            outcome.set_exception(error)
         except BaseException as error:  # noqa: BLE001 - sys.exit() in a handler ends its thread, not our loop
-            outcome.set_exception(RuntimeError(repr(error)))
+            is_fit = isinstance(error, Exception) and not isinstance(error, _NOT_FOR_FUTURES)
+            outcome.set_exception(error if is_fit else RuntimeError(repr(error)))
 
     threading.Thread(target=run, daemon=True).start()
     return await asyncio.wrap_future(outcome)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import os
 import threading
 import warnings
@@ -107,12 +108,17 @@ def test_handlers_may_wait_for_one_another(loop: LoopThread) -> None:
     assert sorted(loop.call(run(), timeout_s=60)) == list(range(count))
 
 
-def test_an_exit_in_a_handler_does_not_end_the_program(loop: LoopThread) -> None:
+@pytest.mark.parametrize(
+    "error", [SystemExit(3), KeyboardInterrupt(), concurrent.futures.CancelledError(), StopIteration()]
+)
+def test_what_ends_a_handler_ends_neither_its_caller_nor_the_program(
+    loop: LoopThread, error: BaseException
+) -> None:
     def leave() -> None:
-        raise SystemExit(3)
+        raise error
 
-    with pytest.raises(RuntimeError, match="SystemExit"):
-        loop.call(run_in_thread(leave))
+    with pytest.raises(RuntimeError, match=type(error).__name__):
+        loop.call(run_in_thread(leave), timeout_s=10)
     assert loop.call(run_in_thread(lambda: 5)) == 5
 
 
