@@ -132,7 +132,7 @@ def _translated(read: Callable[[], T]) -> T:
         raise
     except yaml.YAMLError as error:
         problem = " ".join(str(getattr(error, "problem", None) or error).split())
-        problem = problem.replace(' in "<unicode string>"', " at")
+        problem = problem.replace(' in "<unicode string>",', " at")
         # libyaml has the same limit since 0.2.6, and may reach it first.
         if problem == "exceeded maximum nesting depth":
             raise _too_large(

@@ -15,8 +15,8 @@ from typing import Any, TypeVar
 from rostether.errors import GraphError, RostetherError
 from rostether.mechanisms.tasks import start_task
 
-# A future cannot raise StopIteration. It would raise the CancelledError of threads as that of tasks, as if the
-# caller was canceled.
+# A future cannot raise StopIteration, and would raise the CancelledError of threads as that of tasks, as if
+# its caller was canceled.
 _NOT_FOR_FUTURES = (StopIteration, concurrent.futures.CancelledError)
 
 _T = TypeVar("_T")

@@ -1,6 +1,6 @@
 """The middleware's view of the whole graph, now and at each change.
 
-rclpy does not report changes of the graph, so it is polled; each poll costs about 0.1 ms per node.
+rclpy does not report changes of the graph, so it is polled; each poll costs about 0.05 ms per node.
 """
 
 from __future__ import annotations
