@@ -22,5 +22,5 @@ def test_nothing_but_queries_of_the_fleet_is_forwarded() -> None:
     for datagram in (SENDER.stop(0.0)[0], SENDER.release(), nested, foreign.query(), b"GET / HTTP/1.1"):
         with pytest.raises(RemoteProtocolError):
             decode_forward(encode_forward("10.0.0.1", 80, datagram), KEY)
-    with pytest.raises(RemoteProtocolError, match="not an address"):
+    with pytest.raises(RemoteProtocolError, match="17 bytes cannot be an address"):
         decode_forward(bytes(17), KEY)
