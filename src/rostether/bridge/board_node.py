@@ -11,7 +11,7 @@ from rostether.bridge.endpoint.factory import EndpointFactory
 from rostether.bridge.endpoint.publisher import PublisherEndpoint
 from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.findings.board_health import BoardHealth
-from rostether.bridge.findings.endpoint_findings import RequiredTopics
+from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.reporter import Notices, Reporter
 from rostether.bridge.settings import DEFAULT_SETTINGS, BridgeSettings
 from rostether.errors import RostetherError

@@ -14,8 +14,8 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from rostether.bridge.board_node import BoardNode
-from rostether.bridge.findings.finding import Medium
 from rostether.bridge.findings.line_watch import NO_ANSWER_S
+from rostether.bridge.findings.medium import Medium
 from rostether.bridge.outbound.held_events import HeldEvents
 from rostether.bridge.outbound.outbox import Outbox
 from rostether.bridge.outbound.reading_pause import ReadingPause

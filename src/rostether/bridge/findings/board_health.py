@@ -6,9 +6,11 @@ from collections import OrderedDict
 from collections.abc import Iterable, Iterator
 
 from rostether.bridge.endpoint.table import EndpointTable
-from rostether.bridge.findings.endpoint_findings import EndpointFindings, RequiredTopics
-from rostether.bridge.findings.finding import Code, Finding, Medium, Severity, warning
+from rostether.bridge.findings.endpoint_findings import EndpointFindings
+from rostether.bridge.findings.finding import Code, Finding, Severity, warning
 from rostether.bridge.findings.line_watch import LineWatch
+from rostether.bridge.findings.medium import Medium
+from rostether.bridge.findings.required import RequiredTopics
 from rostether.bridge.findings.resets import Resets
 from rostether.bridge.reporter import Notices
 from rostether.errors import PeerClosedError, TransportError

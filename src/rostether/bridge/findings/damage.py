@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 
-from rostether.bridge.findings.finding import Code, Finding, Medium, warning
+from rostether.bridge.findings.finding import Code, Finding, warning
+from rostether.bridge.findings.medium import Medium
 from rostether.bridge.findings.noise import PIECE_GAP_S
 from rostether.rosserial.events import DAMAGE, DiscardReason, FrameDiscarded
 

@@ -1,9 +1,9 @@
-"""Findings about single topics and services of a board, and about topics that it lacks."""
+"""Findings about single topics and services of a board."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from weakref import WeakKeyDictionary
 
 from rostether.bridge.endpoint.openings import Endpoint, ServiceEndpoint, name_of
@@ -12,13 +12,7 @@ from rostether.bridge.endpoint.subscriber import SubscriberEndpoint
 from rostether.bridge.endpoint.table import EndpointTable
 from rostether.bridge.findings.finding import Code, Finding, error, split_step, warning
 from rostether.bridge.findings.oversize import Oversizes
-from rostether.errors import (
-    DefinitionError,
-    InvalidNameError,
-    RostetherError,
-    TypeMismatchError,
-    UnknownTypeError,
-)
+from rostether.errors import DefinitionError, RostetherError, TypeMismatchError, UnknownTypeError
 from rostether.mechanisms.text import listed
 from rostether.rosserial.events import ServiceRole
 from rostether.rosserial.packets import PUBLISHER_OVERHEAD_BYTES, TopicInfo
@@ -33,7 +27,6 @@ MISFIT_SHARE = 0.05
 
 # More would not fit on a line.
 _LISTED_TOPICS = 6
-_LISTED_ANNOUNCED = 8
 
 _LARGER = "enlarge it in the sketch: ros::NodeHandle_<ArduinoHardware, 25, 25, INPUT, OUTPUT>, in bytes"
 
@@ -179,41 +172,3 @@ def _too_large(silent: list[PublisherEndpoint]) -> Finding:
         _LARGER,
         silent[0].info.topic_name if silent else "",
     )
-
-
-class RequiredTopics:
-    """The topics that devices.toml requires; `resolve` makes full names, remapped ones included."""
-
-    def __init__(self, names: Sequence[str] = (), resolve: Callable[[str], str] = str) -> None:
-        self._required = {resolve(name): name for name in names}
-        self._resolve = resolve
-        self._missing: tuple[str, ...] = ()
-        self._announced: tuple[str, ...] = ()
-
-    def forget(self) -> None:
-        """Forget the missing topics, when a connection starts."""
-        self._missing = ()
-
-    def compare(self, announced: Iterable[str]) -> None:
-        """Find the missing topics; `announced` are all topics of the board."""
-        if self._required:
-            self._announced = tuple(dict.fromkeys(announced))
-            there = {self._full_name(name) for name in self._announced}
-            self._missing = tuple(name for full, name in self._required.items() if full not in there)
-
-    def find(self) -> Iterator[Finding]:
-        """Yield the finding, if topics are missing."""
-        if self._missing:
-            shown = listed(self._announced, _LISTED_ANNOUNCED) or "no topic"
-            yield error(
-                Code.MISSING_TOPIC,
-                f"the board does not announce {', '.join(self._missing)}, which devices.toml requires; it "
-                f"announces {shown}",
-                "flash the right sketch, add the topic to it, or correct required_topics",
-            )
-
-    def _full_name(self, name: str) -> str:
-        try:
-            return self._resolve(name)
-        except InvalidNameError:
-            return name

@@ -1,8 +1,8 @@
-"""A finding: a problem of a board's line in plain words, and the next step; and the media of lines."""
+"""A finding: a problem of a board's line in plain words, and the next step."""
 
 from __future__ import annotations
 
-from enum import Enum, IntEnum, StrEnum, auto
+from enum import IntEnum, StrEnum
 
 from msgspec import Struct
 
@@ -87,20 +87,3 @@ def warning(
 ) -> Finding:
     """Return a finding that does not stop messages."""
     return Finding(code, Severity.WARN, seen, next_step, subject, is_reported)
-
-
-class Medium(Enum):
-    """The medium between a board and this machine, which decides what its faults mean.
-
-    SERIAL includes pseudo-terminals; RADIO is an XBee network.
-    """
-
-    SERIAL = auto()
-    TCP = auto()
-    UDP = auto()
-    RADIO = auto()
-
-    @property
-    def may_lose(self) -> bool:
-        """Whether whole frames may be lost or delayed."""
-        return self in (Medium.UDP, Medium.RADIO)

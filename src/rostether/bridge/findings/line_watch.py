@@ -8,13 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from rostether.bridge.findings.announcement_findings import AnnouncementFindings, UnannouncedMessages
+from rostether.bridge.findings.announcement_findings import AnnouncementFindings
 from rostether.bridge.findings.damage import Damage
-from rostether.bridge.findings.finding import Code, Finding, Medium, error, warning
+from rostether.bridge.findings.finding import Code, Finding, error, warning
 from rostether.bridge.findings.loop_speed import LoopSpeed
+from rostether.bridge.findings.medium import Medium
 from rostether.bridge.findings.noise import Noise, absence, show
 from rostether.bridge.findings.oversize import Oversizes
 from rostether.bridge.findings.resets import MIN_STARTS, UNSETTLED_S, Resets, reset_loop
+from rostether.bridge.findings.unannounced import UnannouncedMessages
 from rostether.rosserial.events import (
     AnnouncementRefused,
     DeviceReset,

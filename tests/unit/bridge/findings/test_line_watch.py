@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.bridge.findings.finding import Code, Medium
+from rostether.bridge.findings.finding import Code
 from rostether.bridge.findings.line_watch import LineWatch
+from rostether.bridge.findings.medium import Medium
 from rostether.bridge.findings.resets import Resets
 from rostether.rosserial.events import (
     DiscardReason,

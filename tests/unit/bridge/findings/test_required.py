@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from rostether.bridge.findings.endpoint_findings import RequiredTopics
 from rostether.bridge.findings.finding import Code
+from rostether.bridge.findings.required import RequiredTopics
 from rostether.errors import InvalidNameError
 
 

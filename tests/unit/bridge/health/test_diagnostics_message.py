@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.bridge.health.diagnostics import Rates
+from rostether.bridge.health.diagnostics_message import Rates
 
 
 def test_growth_per_second() -> None:

@@ -161,7 +161,7 @@ def test_without_a_subscriber_nothing_is_made(monkeypatch: pytest.MonkeyPatch) -
     def fail(*_arguments: object) -> None:
         raise AssertionError("a status was made without a subscriber")
 
-    monkeypatch.setattr("rostether.bridge.health.diagnostics.StatusWriter.array", fail)
+    monkeypatch.setattr("rostether.bridge.health.diagnostics_message.StatusWriter.array", fail)
     run(main())
 
 

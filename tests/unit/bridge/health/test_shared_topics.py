@@ -4,7 +4,7 @@ import asyncio
 
 from rostether.bridge.board_node import BoardNode
 from rostether.bridge.board_registry import Board
-from rostether.bridge.health.health_round import SharedTopics
+from rostether.bridge.health.shared_topics import SharedTopics
 from rostether.bridge.session import Session
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.transports.memory import memory_pair
