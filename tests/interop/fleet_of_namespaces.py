@@ -19,8 +19,8 @@ from msgspec.structs import replace
 from rostether.cli.platform.fleet import examine_fleet
 from rostether.platform.command_link import ReceiverSettings, SenderSettings
 from rostether.platform.fleet import FleetSettings
-from rostether.platform.fleet_examination import has_querier
 from rostether.platform.host_state import read_host
+from rostether.platform.igmp_querier import has_querier
 from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.status_frame import HostState

@@ -6,18 +6,15 @@ import asyncio
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 from msgspec import Struct, field
 
-from rostether.errors import ConfigError, TransportError
+from rostether.errors import TransportError
 from rostether.graph.ports import Level, Report
-from rostether.mechanisms.text import read_failure
 from rostether.platform.command_channel import CommandChannel, refusal_text
 from rostether.platform.command_link import RELEASE_FRAMES, REPEAT_S, SenderSettings
 from rostether.platform.multicast_socket import GroupAddress
 from rostether.platform.robot_table import Robot
-from rostether.platform.siphash import KEY_BYTES
 from rostether.platform.status_frame import Refusal
 
 FLEET_GROUP = "239.255.82.83"
@@ -32,8 +29,6 @@ _STOP_ROUNDS = 3
 _ANSWER_S = 1.5
 # After a longer pause, the robots have stood still for a while, and must not start again unexpectedly.
 _MAX_PAUSE_S = 2.0
-# A key with its line end is shorter; a larger file is not a key.
-_MAX_KEY_FILE_BYTES = 1024
 
 
 class FleetSettings(Struct, frozen=True):
@@ -199,25 +194,3 @@ def silence_text(settings: FleetSettings) -> str:
         f"{who} answer{'s' if sender.to_groups else ''} at {settings.address}; check the key, the "
         "interface (--interface), and whether the access point passes multicast (--unicast ADDRESS)"
     )
-
-
-def read_fleet_key(path: str) -> bytes:
-    """Return the key in a file of 32 hexadecimal digits, the same on all machines and boards of a fleet.
-
-    Raises ConfigError, whose text never contains the key.
-    """
-    try:
-        with Path(path).expanduser().open("rb") as file:
-            text = file.read(_MAX_KEY_FILE_BYTES).strip()
-    except OSError as error:
-        raise ConfigError(f"the fleet's key: {read_failure(path, error)}") from None
-    try:
-        key = bytes.fromhex(text.decode("ascii"))
-    except ValueError:
-        key = b""
-    if len(key) != KEY_BYTES:
-        raise ConfigError(
-            f"{path}: a fleet's key is {2 * KEY_BYTES} hexadecimal digits; "
-            "make one with: openssl rand -hex 16"
-        )
-    return key

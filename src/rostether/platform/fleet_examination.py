@@ -1,13 +1,9 @@
-"""Measures what `rostether doctor --fleet` reports: losses, clocks, robots that do not reach each other.
-
-It also listens for a querier of IGMP.
-"""
+"""Measures what `rostether doctor --fleet` reports: losses, clocks, robots that do not reach each other."""
 
 from __future__ import annotations
 
 import asyncio
 import socket
-import sys
 import time
 from contextlib import closing
 
@@ -15,15 +11,15 @@ from msgspec import Struct, field
 from msgspec.structs import replace
 
 from rostether.graph.ports import Report
-from rostether.mechanisms.tasks import occurs_within
 from rostether.platform.command_channel import MAX_UNICAST
 from rostether.platform.command_frame import NO_KEY, encode_forward
-from rostether.platform.command_link import REPEAT_S, CommandSender, SenderSettings
+from rostether.platform.command_link import CommandSender, SenderSettings
 from rostether.platform.datagram_sender import DatagramSender
 from rostether.platform.fleet import QUERY_S, FleetSettings
+from rostether.platform.fleet_survey import ClockOffset, Survey
+from rostether.platform.igmp_querier import has_querier
 from rostether.platform.multicast_socket import GroupAddress
-from rostether.platform.robot_table import Robot, RobotKey, RobotTable, SocketAddress
-from rostether.transports.sockets import new_socket
+from rostether.platform.robot_table import Robot, RobotKey
 
 # Enough for many queries and answers; a working Wi-Fi network loses few of them.
 _UNICAST_S = 1.5
@@ -32,125 +28,6 @@ _FORWARD_COUNT = 5
 _FORWARD_PERIOD_S = 0.05
 # Statuses come every 250 ms, and the first one ends the wait.
 _CONFIRM_S = 3.0
-
-
-class ClockOffset(Struct, frozen=True):
-    """How far a robot's clock is ahead of this machine's; `error_s` is half of the round trip."""
-
-    offset_s: float
-    error_s: float
-
-
-class Survey:
-    """Queries to one group or machine, and the robots that answered them.
-
-    Unlike `FleetSender`, it never adds unicast, so that the loss is that of `address`. Raises ConfigError for
-    an invalid address.
-    """
-
-    def __init__(
-        self,
-        settings: SenderSettings,
-        address: GroupAddress,
-        report: Report,
-        commands: CommandSender | None = None,
-    ) -> None:
-        self._commands = commands or CommandSender(settings, time.time_ns() // 1000)
-        self._sender = DatagramSender(address.checked(), report, on_datagram=self._receive)
-        self._table = RobotTable(settings.key)
-        # When each query was sent, by its sequence number.
-        self._sent_us: dict[int, int] = {}
-        self._answered = asyncio.Event()
-        self.clocks: dict[RobotKey, ClockOffset] = {}
-
-    @property
-    def robots(self) -> dict[RobotKey, Robot]:
-        """The robots that have answered."""
-        return self._table.robots
-
-    async def run(self, duration_s: float, *, until_answered: bool = False) -> None:
-        """Send queries for this time, then close the sockets.
-
-        With `until_answered`, stop at the first answer.
-        """
-        end_s = time.monotonic() + duration_s
-        try:
-            while time.monotonic() < end_s and not (until_answered and self._answered.is_set()):
-                query = self._commands.query()
-                self._sent_us[self._commands.sequence] = time.time_ns() // 1000
-                self._sender.send(query)
-                await asyncio.sleep(REPEAT_S)
-        finally:
-            self._sender.close()
-
-    def _receive(self, datagram: bytes, address: SocketAddress) -> None:
-        received_us = time.time_ns() // 1000
-        status = self._table.receive(datagram, address, self._commands.epoch_us, time.monotonic())
-        if status is None:
-            return
-        self._answered.set()
-        sent_us = self._sent_us.get(status.sequence)
-        if status.host is not None and sent_us is not None:
-            offset_us = status.host.clock_us - (sent_us + received_us) / 2
-            clock = ClockOffset(offset_us / 1e6, (received_us - sent_us) / 2e6)
-            key = RobotKey(status.robot_id, address[0])
-            known = self.clocks.get(key)
-            # The shortest round trip gives the best value.
-            if known is None or clock.error_s < known.error_s:
-                self.clocks[key] = clock
-
-
-# A querier asks all machines at least this often (RFC 3376, 8.2: 125 s), and may be a little late.
-QUERY_INTERVAL_S = 130.0
-
-_MEMBERSHIP_QUERY = 0x11
-
-# Longer than an IP header with an IGMP message. After a burst of packets, other tasks run.
-_MAX_IGMP_BYTES = 2048
-_BURST = 100
-
-
-async def has_querier(interfaces: tuple[str, ...], duration_s: float) -> bool | None:
-    """Return whether an IGMP query arrives in this time, at one of the interfaces if there are any.
-
-    Without a querier, switches forget the members of a group (RFC 3376). Returns None if it cannot listen: it
-    needs root or CAP_NET_RAW, and an existing interface.
-    """
-    received = asyncio.Event()
-    sockets: list[socket.socket] = []
-    loop = asyncio.get_running_loop()
-    try:
-        try:
-            sockets.extend(_open_igmp(each) for each in interfaces or ("",))
-        except OSError:
-            return None
-        for sock in sockets:
-            loop.add_reader(sock, _read_igmp, sock, received)
-        return await occurs_within(received, duration_s)
-    finally:
-        for sock in sockets:
-            loop.remove_reader(sock)
-            sock.close()
-
-
-def _open_igmp(interface: str) -> socket.socket:
-    with new_socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_IGMP) as sock:
-        # An interface that is given by its address has no name to bind to: queries on all interfaces count.
-        if interface and interface.count(".") != 3 and sys.platform == "linux":
-            sock.setsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, interface.encode())
-    return sock
-
-
-def _read_igmp(sock: socket.socket, received: asyncio.Event) -> None:
-    for _ in range(_BURST):
-        try:
-            packet = sock.recv(_MAX_IGMP_BYTES)
-        except OSError:
-            return
-        # The IP header, whose length is in 4-byte words, comes first.
-        igmp = packet[4 * (packet[0] & 0x0F) :] if packet else b""
-        if igmp and igmp[0] == _MEMBERSHIP_QUERY:
-            received.set()
 
 
 class Examination(Struct):

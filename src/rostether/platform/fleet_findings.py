@@ -8,7 +8,9 @@ from msgspec import Struct
 
 from rostether.mechanisms.text import listed
 from rostether.platform.command_channel import duplicate_text
-from rostether.platform.fleet_examination import QUERY_INTERVAL_S, ClockOffset, Examination
+from rostether.platform.fleet_examination import Examination
+from rostether.platform.fleet_survey import ClockOffset
+from rostether.platform.igmp_querier import QUERY_INTERVAL_S
 from rostether.platform.robot_table import MAX_LOSS, Robot, RobotKey, hosts_of_duplicate_ids
 
 # With a weaker signal, Wi-Fi uses its slowest rates, and loses multicast first.

@@ -2,8 +2,9 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from rostether.platform.fleet_examination import ClockOffset, Examination
+from rostether.platform.fleet_examination import Examination
 from rostether.platform.fleet_findings import FleetFinding, disk_finding, fleet_findings
+from rostether.platform.fleet_survey import ClockOffset
 from rostether.platform.robot_table import Robot, RobotKey
 from rostether.platform.status_frame import HostState, RobotStatus
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from rostether.errors import ConfigError
-from rostether.platform.fleet import read_fleet_key
+from rostether.platform.fleet_key import read_fleet_key
 
 
 def test_a_key(tmp_path: Path) -> None:

@@ -11,7 +11,8 @@ from rostether.cli.shell.option_group import PORT, option, option_group
 from rostether.errors import ConfigError
 from rostether.platform.command_frame import ALL_GROUPS, NO_KEY
 from rostether.platform.command_link import SenderSettings
-from rostether.platform.fleet import FLEET_GROUP, FLEET_PORT, FleetSettings, read_fleet_key
+from rostether.platform.fleet import FLEET_GROUP, FLEET_PORT, FleetSettings
+from rostether.platform.fleet_key import read_fleet_key
 from rostether.platform.multicast_socket import GroupAddress
 
 # A robot's id has 32 bits in a frame, and each group is one of 32 bits.

@@ -16,7 +16,8 @@ from rostether.platform.boot.robot_file import INTERFACE_VARIABLE
 from rostether.platform.command_frame import ALL_GROUPS, DEFAULT_TTL_MS, MAX_TTL_MS, NO_KEY, type_kind
 from rostether.platform.command_link import ReceiverSettings, SenderSettings
 from rostether.platform.digital_tester import publish_test_values
-from rostether.platform.fleet import FleetSettings, read_fleet_key
+from rostether.platform.fleet import FleetSettings
+from rostether.platform.fleet_key import read_fleet_key
 from rostether.platform.fleet_monitor import FleetMonitor
 from rostether.platform.multicast_bridge import BridgeNodeSettings, send_topic
 from rostether.platform.multicast_receiver import ReceiverNodeSettings, receive_topic

@@ -21,12 +21,13 @@ from rostether.platform.sensor_parameters import SensorKind, default_platform, r
 from rostether.platform.sensors.cascade import CascadeDetector
 from rostether.platform.sensors.gpio_line import BIASES, GpioLine, gpio_package
 from rostether.platform.sensors.jpeg import PictureChange
+from rostether.platform.sensors.number_file import NumberFile
 from rostether.platform.sensors.picture_sources import DrawnTestPictures, PictureFolder, PictureSource
 from rostether.platform.sensors.raspberry_camera import RaspberryCamera, has_picamera2
 from rostether.platform.sensors.registered_sensor import platform_word
 from rostether.platform.sensors.system_load import SystemFiles, publish_system_load
 from rostether.platform.sensors.v4l2_camera import V4l2Camera
-from rostether.platform.sensors.value import NumberFile, Scaling, TopicField, publish_values
+from rostether.platform.sensors.value import Scaling, TopicField, publish_values
 from rostether.transports.address import SerialAddress
 from rostether.transports.address_parser import parse_address
 

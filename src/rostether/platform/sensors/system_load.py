@@ -13,8 +13,9 @@ from rostether.errors import SensorError
 from rostether.graph.ports import Report
 from rostether.graph.typed_graph import TypedGraph
 from rostether.platform.sensor_registration import SensorDescription
+from rostether.platform.sensors.number_file import read_number
 from rostether.platform.sensors.readings import paced
-from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values, read_number
+from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, publish_values
 
 _CELSIUS = "\N{DEGREE SIGN}C"
 

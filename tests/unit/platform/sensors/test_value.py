@@ -8,7 +8,8 @@ import pytest
 from rostether.errors import ConfigError, SensorError
 from rostether.platform.sensors import readings
 from rostether.platform.sensors.gpio_line import GpioLine
-from rostether.platform.sensors.value import MESSAGE_TYPE, NumberFile, Scaling, TopicField, publish_values
+from rostether.platform.sensors.number_file import NumberFile
+from rostether.platform.sensors.value import MESSAGE_TYPE, Scaling, TopicField, publish_values
 from unit.platform.datagrams import running
 from unit.platform.sensors.shown_sensors import described, shown_sensors
 from waiting import until
