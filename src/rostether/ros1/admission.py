@@ -10,7 +10,8 @@ import asyncio
 import time
 from collections.abc import Callable, Iterable
 
-from rostether.transports.allow_list import AllowList, RefusalLog
+from rostether.transports.allow_list import AllowList
+from rostether.transports.refusals import RefusalLog
 
 
 class Admission:

@@ -1,18 +1,15 @@
-"""Which network addresses may connect to a listener, and the log of refused ones."""
+"""Which network addresses may connect to a listener."""
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from rostether.errors import ConfigError
-from rostether.mechanisms.rate_limits import RepeatLimiter
 
 if TYPE_CHECKING:
     from ipaddress import IPv4Network, IPv6Network
 
-_LOG = logging.getLogger(__name__)
 
 # This machine's own programs: an attacker who can run one here needs no network.
 ALWAYS_ALLOWED = ("127.0.0.0/8", "::1/128")
@@ -62,22 +59,3 @@ class AllowList:
     def allows_connection(self, host: str, own_host: str) -> bool:
         """Return whether a connection is allowed; if both ends have one address, it is local."""
         return host == own_host or self.allows(host)
-
-
-class RefusalLog:
-    """Counts refused peers, and logs at most one line every ten seconds: they cannot fill the log."""
-
-    def __init__(self, listener: str, clock: Callable[[], float]) -> None:
-        self.count = 0
-        self._listener = listener
-        self._clock = clock
-        self._lines = RepeatLimiter()
-
-    def refuse(self, peer: str, reason: str) -> None:
-        """Count a refused peer, and log it if the rate permits."""
-        self.count += 1
-        omitted_count = self._lines.admit("refused", self._clock())
-        if omitted_count is None:
-            return
-        more = f" ({omitted_count} more since the last such line)" if omitted_count else ""
-        _LOG.warning("%s refused %s: %s%s", self._listener, peer, reason, more)

@@ -9,8 +9,8 @@ from typing import Generic, TypeVar
 from msgspec import Struct, field
 
 from rostether.errors import TransportClosedError, TransportError
-from rostether.transports.allow_list import RefusalLog
 from rostether.transports.link_quality import LinkQuality
+from rostether.transports.refusals import RefusalLog
 from rostether.transports.transport import PausingTransport, Receiver, Transport
 
 PeerKey = TypeVar("PeerKey", bound=Hashable)

@@ -15,9 +15,10 @@ from rostether.errors import RostetherError, TransportOpenError, TransportTimeou
 from rostether.mechanisms.tasks import start_task
 from rostether.mechanisms.text import show_endpoint
 from rostether.transports.address import TcpAddress
-from rostether.transports.allow_list import AllowList, RefusalLog
+from rostether.transports.allow_list import AllowList
 from rostether.transports.board_keys import NO_KEYS, BoardKeys
 from rostether.transports.read_turn import MIN_READ_BYTES, ReadTurn
+from rostether.transports.refusals import RefusalLog
 from rostether.transports.sockets import (
     READ_BYTES,
     close_servers,

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rostether.transports.allow_list import RefusalLog
+from rostether.transports.refusals import RefusalLog
 
 
 def test_a_scan_does_not_fill_the_log(caplog: pytest.LogCaptureFixture) -> None:

@@ -10,12 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import click
 from msgspec.structs import replace
 
-from rostether.cli.access.graph_options import (
-    ROS2_CHOICE,
-    GraphOptions,
-    middleware_of,
-    ros_arguments,
-)
+from rostether.cli.access.graph_options import ROS2_CHOICE, GraphOptions, middleware_of, ros_arguments
 from rostether.cli.access.ros1_access import read_environment, type_store
 from rostether.cli.access.ros2_access import ros2_access
 from rostether.cli.shell.output import warn, write_line
