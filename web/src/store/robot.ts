@@ -167,7 +167,7 @@ export class Robot {
     };
   }
 
-  /** Resolves when every topic that is received has had a message, at the latest after `maxMs`. */
+  /** Resolves when every topic that is received has had a message, or after `maxMs`. */
   firstValues(maxMs: number): Promise<void> {
     return new Promise((resolve) => {
       const end = () => {
