@@ -21,7 +21,7 @@ PROBE = b"\xff\x00"
 # two requests at once would mistake the last `ff` of one for the start of the next.
 OTHER_VERSION_GUARD = b"\x00"
 
-# For a device without endpoints: the established library's buffers on an ATmega328P, the smallest in use.
+# For a device without endpoints: the established library's buffers on an ATmega328P, a small common chip.
 DEFAULT_INPUT_BUFFER_BYTES = 280
 
 # The limit of unsent frames: a few hundred bytes a minute are normal, so a driver that holds more is stuck.

@@ -75,7 +75,7 @@ class ServeOptions:
 
     master_port: int | None = option(
         "--master-port PORT",
-        "Port for the ROS master, which is started if none runs (default: 11311).",
+        "Port for the ROS master, which is started if none runs (default: that of ROS_MASTER_URI, or 11311).",
         type=PORT,
     )
     listen: str | None = shared(listen_option, None)

@@ -60,7 +60,9 @@ class LaunchOptions:
     required: bool = flag("--required", "Stop all nodes when any of them ends.")
     wait: bool = flag("--wait", "Wait for a master instead of starting one.")
     port: int | None = option(
-        "-p --port", "Port for the ROS master, which is started if none runs (default: 11311).", type=PORT
+        "-p --port",
+        "Port for the ROS master, which is started if none runs (default: that of ROS_MASTER_URI, or 11311).",
+        type=PORT,
     )
     no_summary: bool = flag("--no-summary", "Do not print the summary.")
     sigint_timeout_s: float = option(
