@@ -60,7 +60,7 @@ class RelayOptions:
     )
     master_port: int | None = option(
         "--master-port PORT",
-        "Port for the ROS 1 master, which is started if none runs (default: that of ROS_MASTER_URI, or 11311).",
+        "Port for the ROS 1 master, started if none runs (default: that of ROS_MASTER_URI, or 11311).",
         type=PORT,
     )
 
