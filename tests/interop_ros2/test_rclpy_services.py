@@ -13,7 +13,7 @@ from interop_ros2.rclpy_peer import PEER_NAME, RclpyPeer
 from rostether.errors import ServiceTimeoutError, SessionError, TypeMismatchError, UnknownTypeError
 from rostether.graph.ports import JoinGraph, ParamValue
 from rostether.msgdef.interface import MessageType, ServiceType
-from rostether.ros2.parameters.services import ParameterClient
+from rostether.ros2.parameters.client import ParameterClient
 from rostether.ros2.parameters.typed_value import ParameterType, typed_value
 from rostether.serde.store import TypeStore
 from waiting import until
@@ -30,7 +30,7 @@ async def test_parameters_that_are_set_are_described(
     join: JoinGraph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # A busy machine may need longer than users wait.
-    monkeypatch.setattr("rostether.ros2.parameters.services.CALL_TIMEOUT_S", 60)
+    monkeypatch.setattr("rostether.ros2.parameters.client.CALL_TIMEOUT_S", 60)
     node, client_node = await join("/described"), await join("/asker")
     await node.set_param("~gain", 1.5)
     client = ParameterClient(client_node)

@@ -26,7 +26,7 @@ from rostether.ros2.parameters.parameter_name import name_parts
 from rostether.ros2.parameters.typed_value import NOT_SET, ParameterType, TypedValue, typed_value
 
 if TYPE_CHECKING:
-    from rostether.ros2.parameters.services import ParameterClient
+    from rostether.ros2.parameters.client import ParameterClient
 
 T = TypeVar("T")
 
@@ -54,7 +54,7 @@ def _nodes_with_parameters(view: GraphView) -> list[str]:
 
 
 async def _asked_of(graph: GraphOptions, node: str, question: Callable[[ParameterClient], Awaitable[T]]) -> T:
-    from rostether.ros2.parameters.services import ParameterClient
+    from rostether.ros2.parameters.client import ParameterClient
 
     async def ask(tool: ToolNode) -> T:
         await _find_node(tool, node)
@@ -87,7 +87,7 @@ class Ros2Params:
 
     async def list_params(self, wanted: ParamListing) -> None:
         """Print the names of the parameters of one node, or of all nodes."""
-        from rostether.ros2.parameters.services import ParameterClient
+        from rostether.ros2.parameters.client import ParameterClient
 
         node = None if wanted.namespace == "/" else wanted.namespace
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 
 from rostether.errors import GraphError, SerializationError, UnknownNameError
 from rostether.graph.ports import Graph, ParamValue
+from rostether.ros2.parameters.client import LIST_SERVICE, ParameterClient
 from rostether.ros2.parameters.parameter_name import ParameterPath, full_name, locate, name_parts
-from rostether.ros2.parameters.services import LIST_SERVICE, ParameterClient
 from rostether.ros2.parameters.store import OwnParameters
 from rostether.ros2.parameters.typed_value import NOT_SET, TypedValue, flatten
 from rostether.ros2.parameters.watches import Ros2ParameterWatch, Ros2ParameterWatches

@@ -106,7 +106,7 @@ async def test_a_node_without_parameters_is_named_and_skipped_in_lists(
     parameters = GraphParameters(ParameterStore({"a": 1}), me)
     with pytest.raises(ServiceUnavailableError, match="node /bare does not give access to its parameters"):
         await parameters.get("/bare/gain")
-    monkeypatch.setattr("rostether.ros2.parameters.services.CALL_TIMEOUT_S", 0.05)
+    monkeypatch.setattr("rostether.ros2.parameters.client.CALL_TIMEOUT_S", 0.05)
     assert await parameters.names() == ["/me/a", "/me/use_sim_time"]
     # It hangs until the test releases it.
     await hanging.close()
