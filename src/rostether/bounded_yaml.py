@@ -143,6 +143,9 @@ def _translated(read: Callable[[], T]) -> T:
         raise YamlError(f"not YAML: {problem}", getattr(error, "problem_mark", None)) from None
     except RecursionError:
         raise YamlError("too large as YAML: it is nested too deeply") from None
+    except UnicodeEncodeError as error:
+        # libyaml reads UTF-8; an argument of a command may contain other bytes.
+        raise YamlError(f"not YAML: not UTF-8 text at position {error.start}") from None
     except _WRONG_VALUES as error:
         raise YamlError(f"not YAML: {' '.join(str(error).split())}") from None
 

@@ -75,6 +75,11 @@ def test_what_is_not_yaml(text: str) -> None:
         load(text)
 
 
+def test_bytes_of_an_argument_that_are_not_utf8() -> None:
+    with pytest.raises(YamlError, match=r"not YAML: not UTF-8 text at position 3$"):
+        load("a: \udcff")
+
+
 def test_errors_do_not_name_a_file_that_the_user_does_not_know() -> None:
     with pytest.raises(YamlError, match=r"control characters are not allowed at position 3$"):
         load("a: \0")
