@@ -7,12 +7,7 @@ import logging
 from collections import deque
 from collections.abc import Callable, Container, Mapping, Sequence
 
-from rostether.errors import (
-    RostetherError,
-    ServiceCallError,
-    ServiceUnavailableError,
-    TypeMismatchError,
-)
+from rostether.errors import RostetherError, ServiceCallError, ServiceUnavailableError, TypeMismatchError
 from rostether.graph.callbacks import call_safely, report_error
 from rostether.graph.flow_control import DEFAULT_QUEUE_BYTES, PublicationFlow, SubscriberFlow
 from rostether.graph.ports import OnMessages, ServiceHandler, SubscribeOptions

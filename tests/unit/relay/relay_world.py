@@ -6,11 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from contract.graphs import (
-    ADD_DIAGNOSTICS,
-    EMPTY,
-    SET_BOOL,
-)
+from contract.graphs import ADD_DIAGNOSTICS, EMPTY, SET_BOOL
 from rostether.errors import UnknownTypeError
 from rostether.graph.memory_network import MemoryNetwork
 from rostether.graph.ports import Level

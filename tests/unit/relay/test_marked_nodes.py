@@ -7,15 +7,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 
-from contract.graphs import (
-    ADD_DIAGNOSTICS,
-    EMPTY,
-    SET_BOOL,
-    STRING,
-    Inbox,
-    answer_set_bool,
-    string,
-)
+from contract.graphs import ADD_DIAGNOSTICS, EMPTY, SET_BOOL, STRING, Inbox, answer_set_bool, string
 from rostether.graph.joint_marks import MARK_TYPE, new_joint_mark, new_relay_mark
 from rostether.graph.memory_network import MemoryGraph
 from rostether.graph.ports import Snapshot

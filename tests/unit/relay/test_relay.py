@@ -7,17 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from contract.graphs import (
-    BOOL,
-    EMPTY,
-    SET_BOOL,
-    STRING,
-    TRUE,
-    Inbox,
-    answer,
-    answer_set_bool,
-    string,
-)
+from contract.graphs import BOOL, EMPTY, SET_BOOL, STRING, TRUE, Inbox, answer, answer_set_bool, string
 from rostether.errors import GraphError, ServiceUnavailableError
 from rostether.graph.memory_network import MemoryGraph
 from rostether.graph.static_transforms import StaticTransforms

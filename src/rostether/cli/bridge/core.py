@@ -6,12 +6,7 @@ import asyncio
 
 import click
 
-from rostether.cli.access.graph_options import (
-    GraphOptions,
-    Middleware,
-    graph_options,
-    ros2_option,
-)
+from rostether.cli.access.graph_options import GraphOptions, Middleware, graph_options, ros2_option
 from rostether.cli.access.options import listen_option
 from rostether.cli.access.ros1_access import read_environment
 from rostether.cli.access.ros2_access import ros2_access

@@ -18,12 +18,8 @@ from rostether.ros2.listed_client import ListedClient
 from rostether.ros2.parameters.ros2_membership import Ros2Membership
 from rostether.ros2.rclpy.own_node import OwnNode
 from rostether.ros2.rclpy.publication import RclpyPublication
-from rostether.ros2.rclpy.services import (
-    DISCOVERY_S,
-    SERVICE_POLL_INTERVAL_S,
-    RclpyServiceClient,
-    RclpyServiceServer,
-)
+from rostether.ros2.rclpy.service_client import DISCOVERY_S, SERVICE_POLL_INTERVAL_S, RclpyServiceClient
+from rostether.ros2.rclpy.service_server import RclpyServiceServer
 from rostether.ros2.rclpy.subscription import RclpySubscriber
 from rostether.ros2.rclpy.type_conflicts import CHECK_INTERVAL_S, TypeConflicts
 from rostether.ros2.types.type_support import ServiceSupport

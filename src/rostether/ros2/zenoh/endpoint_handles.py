@@ -24,7 +24,8 @@ from rostether.ros2.types.type_support import ServiceSupport
 from rostether.ros2.zenoh.mismatches import is_of_type
 from rostether.ros2.zenoh.publication import ZenohPublication
 from rostether.ros2.zenoh.qos import ROSOUT_QOS
-from rostether.ros2.zenoh.services import ZenohServiceClient, ZenohServiceServer
+from rostether.ros2.zenoh.service_client import ZenohServiceClient
+from rostether.ros2.zenoh.service_server import ZenohServiceServer
 from rostether.ros2.zenoh.shared_session import LiveToken, NodeEntities, SharedSession
 from rostether.ros2.zenoh.subscription import ZenohSubscriber
 from rostether.ros2.zenoh.tokens import Token, TokenKind

@@ -121,7 +121,7 @@ async def test_a_call_fails_when_the_machine_of_its_server_has_ended(session: Ze
 async def test_a_listed_service_without_a_route_is_reported(
     session: ZenohSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rostether.ros2.zenoh.services.REACH_S", 0.05)
+    monkeypatch.setattr("rostether.ros2.zenoh.service_client.REACH_S", 0.05)
     client = await session.join("client")
     token = (
         "@ros2_lv/0/abc/0/1/SS/%/%/ghost/%switch/std_srvs::srv::dds_::SetBool_/"
