@@ -9,6 +9,8 @@ from rostether.names.graph_name import validate_name
 
 # The limit of boards, topics or patterns: more than a user types; it bounds each search.
 MAX_ENTRIES = 1000
+# More items of a list do not fit in an error.
+_SHOWN_ITEMS = 20
 
 
 class TomlTable:
@@ -176,5 +178,13 @@ def _is_name_pattern(text: str) -> bool:
 
 
 def _show(value: object) -> str:
-    text = {True: "true", False: "false"}[value] if isinstance(value, bool) else repr(value)
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, bool):
+        text = "true" if value else "false"
+    elif isinstance(value, list):
+        text = f"[{', '.join(map(_show, value[:_SHOWN_ITEMS]))}]"
+    else:
+        # Dates and times look the same in TOML and as a Python string.
+        text = repr(value) if isinstance(value, str) else str(value)
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -96,6 +96,10 @@ def test_a_port_is_found_by_its_link_and_by_a_pattern(tmp_path: Path) -> None:
         ("device = 1", "device", "unknown key; known: discovery, defaults, devices"),
         ("devices = 1", "devices", "must be a table, not 1"),
         ("[devices]\na = 1", "devices.a", "must be a table, not 1"),
+        ("[[devices]]\na = 1", "devices", "must be a table, not [a table]"),
+        ("[devices.a]\nport = {a = 1}", "devices.a.port", "not a table"),
+        ("[devices.a]\nport = 2026-01-01", "devices.a.port", ", not 2026-01-01"),
+        ("[devices.a]\nport = [true, 'x']", "devices.a.port", ", not [true, 'x']"),
         (
             '[devices.a]\nport = "/x"\nbaudrate = 9600',
             "devices.a.baudrate",
