@@ -51,10 +51,12 @@ class ROSTopicHz:
         if self.filter_expr is not None and not self.filter_expr(m):
             return
         now_s = time.time() if self.use_wtime else get_rostime().to_sec()
-        # Simulated time is zero before the first /clock.
-        if now_s:
-            with self.lock:
+        with self.lock:
+            if now_s:
                 self._windows[topic].add(now_s)
+            else:
+                # Simulated time is zero before the first /clock, and while a simulation starts again.
+                self._windows.pop(topic, None)
 
     def get_hz(self, topic: str | None = None) -> tuple[float, float, float, float, int] | None:
         """Return rate, shortest and longest interval, deviation, message count; None without new messages."""

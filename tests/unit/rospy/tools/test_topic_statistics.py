@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from rostether.rospy.client.ros_time import Time
+from rostether.rospy.tools import topic_statistics
 from rostether.rospy.tools.topic_statistics import ROSTopicBandwidth, ROSTopicHz
 
 
@@ -37,6 +39,19 @@ def test_window_of_one_message_has_no_interval() -> None:
     rates.callback_hz("second")
     assert rates.times == []
     assert rates.get_hz() is None
+
+
+def test_rate_starts_again_when_simulated_time_is_reset(monkeypatch: pytest.MonkeyPatch) -> None:
+    rates = ROSTopicHz(-1)
+    for now in (Time(0), Time(4), Time(5), Time(0)):
+        monkeypatch.setattr(topic_statistics, "get_rostime", lambda now=now: now)
+        rates.callback_hz("message")
+    assert rates.times == []
+    assert rates.get_hz() is None
+    for now in (Time(6), Time(8)):
+        monkeypatch.setattr(topic_statistics, "get_rostime", lambda now=now: now)
+        rates.callback_hz("message")
+    assert rates.times == [2.0]
 
 
 def test_bandwidth(capsys: pytest.CaptureFixture[str]) -> None:
