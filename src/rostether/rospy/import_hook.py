@@ -90,7 +90,7 @@ def install() -> None:
 
 
 def import_submodules(package: str) -> None:
-    """Import the modules of a package of ROS that are implemented here, as the real package does."""
+    """Import the modules of a package of ROS that are implemented here, for programs that import only it."""
     for name in _IMPLEMENTATIONS:
         if name.startswith(f"{package}."):
             importlib.import_module(name)
