@@ -14,8 +14,9 @@ from rostether.msgdef.md5sum import message_md5sum
 from rostether.msgdef.mismatch import explain_mismatch
 from rostether.msgdef.parse_msg import parse_message
 from rostether.msgdef.parse_srv import expand_action, parse_service
+from rostether.msgdef.primitives import INTEGER_RANGES, PRIMITIVE_TYPES
 from rostether.msgdef.registry import Registry
-from rostether.msgdef.spec import INTEGER_RANGES, PRIMITIVE_TYPES, MessageSpec
+from rostether.msgdef.spec import MessageSpec
 from rostether.names.graph_name import is_legal_name, join, namespace_of, resolve_name
 from rostether.names.remap import parse_arguments
 from rostether.packages.package_xml import parse_package_xml

@@ -22,7 +22,8 @@ from rostether.codegen.cpp_names import (
     qualified_class,
 )
 from rostether.codegen.reserved_words import is_macro
-from rostether.msgdef.spec import PRIMITIVE_TYPES, Constant, Field, MessageSpec
+from rostether.msgdef.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 _LINE_WIDTH = 110
 

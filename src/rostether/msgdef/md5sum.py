@@ -11,8 +11,9 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 
+from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.resolve_types import Lookup, dependencies
-from rostether.msgdef.spec import PRIMITIVE_TYPES, Constant, Field, MessageSpec, ServiceSpec
+from rostether.msgdef.spec import Constant, Field, MessageSpec, ServiceSpec
 
 
 def message_md5sum(spec: MessageSpec, lookup: Lookup) -> str:

@@ -18,9 +18,10 @@ from rostether.errors import DefinitionError
 from rostether.msgdef.definition_files import earlier_files, read_definition
 from rostether.msgdef.md5sum import declarations_text, digest, message_md5sum
 from rostether.msgdef.parse_msg import parse_message
+from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
-from rostether.msgdef.spec import PRIMITIVE_TYPES, Constant, Field, FieldType, MessageSpec
+from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
 # Each takes about 10 µs, during which all boards wait: 30 ms for an error, once.
 MAX_CANDIDATES = 3_000

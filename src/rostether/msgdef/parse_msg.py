@@ -8,21 +8,11 @@ its type. Tabs separate words, as blanks do.
 from __future__ import annotations
 
 import re
-from typing import NoReturn
-
-from msgspec import Struct
 
 from rostether.errors import DefinitionError
-from rostether.msgdef.spec import (
-    CONSTANT_TYPES,
-    INTEGER_RANGES,
-    PRIMITIVE_TYPES,
-    Constant,
-    ConstantValue,
-    Field,
-    FieldType,
-    MessageSpec,
-)
+from rostether.msgdef.primitives import CONSTANT_TYPES, INTEGER_RANGES, PRIMITIVE_TYPES
+from rostether.msgdef.source_line import SourceLine
+from rostether.msgdef.spec import Constant, ConstantValue, Field, FieldType, MessageSpec
 from rostether.names.graph_name import quote
 
 # Definitions also come from peers; the longest in use have about 20 KB.
@@ -43,22 +33,6 @@ _BOOLS = {"True": True, "False": False, "1": True, "0": False}
 
 # A bool constant may be any Python literal, but none needs to be long.
 _MAX_BOOL_CHARACTERS = 100
-
-
-class SourceLine(Struct, frozen=True):
-    """One line of a file; `declaration` is its part before a comment."""
-
-    file: str
-    number: int
-    text: str
-    declaration: str
-
-    def fail(self, message: str, token: str = "") -> NoReturn:
-        """Raise DefinitionError for the last occurrence of a token, or for the whole line."""
-        position = self.declaration.rfind(token) if token else -1
-        if position < 0:
-            position = len(self.text) - len(self.text.lstrip())
-        raise DefinitionError(message, file=self.file, line=self.number, column=position + 1)
 
 
 def parse_message(text: str, *, package: str, name: str, file: str = "", first_line: int = 1) -> MessageSpec:

@@ -5,19 +5,9 @@ Type names are `package/Name`, as in ROS 1.
 
 from __future__ import annotations
 
-from types import MappingProxyType
 from typing import TypeAlias
 
 from msgspec import Struct
-
-INTEGER_RANGES = MappingProxyType(
-    {f"int{bits}": (-(1 << bits - 1), (1 << bits - 1) - 1) for bits in (8, 16, 32, 64)}
-    | {f"uint{bits}": (0, (1 << bits) - 1) for bits in (8, 16, 32, 64)}
-    # The two old names: byte is signed, char is not, unlike in C.
-    | {"byte": (-(1 << 7), (1 << 7) - 1), "char": (0, (1 << 8) - 1)}
-)
-CONSTANT_TYPES = frozenset(INTEGER_RANGES) | {"float32", "float64", "string", "bool"}
-PRIMITIVE_TYPES = CONSTANT_TYPES | {"time", "duration"}
 
 ConstantValue: TypeAlias = bool | int | float | str
 

@@ -11,15 +11,8 @@ from rostether.msgdef.parse_msg import (
     MAX_TEXT_CHARACTERS,
     parse_message,
 )
-from rostether.msgdef.spec import (
-    CONSTANT_TYPES,
-    INTEGER_RANGES,
-    PRIMITIVE_TYPES,
-    ConstantValue,
-    Field,
-    FieldType,
-    MessageSpec,
-)
+from rostether.msgdef.primitives import CONSTANT_TYPES, INTEGER_RANGES, PRIMITIVE_TYPES
+from rostether.msgdef.spec import ConstantValue, Field, FieldType, MessageSpec
 
 
 def parse(text: str) -> MessageSpec:

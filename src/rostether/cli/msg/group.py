@@ -94,7 +94,7 @@ def format_spec(registry: Registry, spec: MessageSpec, indent: str = "") -> Iter
 
     Raises UnknownTypeError and DefinitionError for a nested message.
     """
-    from rostether.msgdef.spec import PRIMITIVE_TYPES
+    from rostether.msgdef.primitives import PRIMITIVE_TYPES
 
     for constant in spec.constants:
         yield f"{indent}{constant.type} {constant.name}={constant.text}"

@@ -11,7 +11,8 @@ from rostether.errors import DefinitionError
 from rostether.msgdef.resolve_types import SpecT, dependencies
 from rostether.msgdef.ros2.definition_text import message_text
 from rostether.msgdef.ros2.parse import SECTION_MARK, parse_message
-from rostether.msgdef.ros2.spec import PRIMITIVE_TYPES, Ros2Message, Ros2Service
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Service
 from rostether.ros2.types.native_registry import NativeRegistry
 from rostether.ros2.types.type_hash import message_hash, service_hash
 

@@ -26,8 +26,8 @@ from rostether.cli.shell.verbs import verb
 from rostether.cli.topic.misfit_notice import shown_messages
 from rostether.cli.topic.ros1_chosen_topic import resolve_with_field, wait_for_topic
 from rostether.errors import ConfigError, DefinitionError
+from rostether.msgdef.primitives import INTEGER_RANGES
 from rostether.msgdef.registry import Registry
-from rostether.msgdef.spec import INTEGER_RANGES
 from rostether.names.graph_name import is_in_namespace
 from rostether.serde.codec import Codec
 from rostether.serde.field_path import FieldPath

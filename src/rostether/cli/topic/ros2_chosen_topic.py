@@ -10,7 +10,8 @@ from msgspec import Struct
 from rostether.cli.shell.output import warn
 from rostether.errors import ConfigError, DefinitionError, TypeMismatchError
 from rostether.mechanisms.text import unpublished_warning
-from rostether.msgdef.ros2.spec import PRIMITIVE_TYPES, Ros2Message, Ros2Type
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
 from rostether.ros2.endpoint_info import EndpointKind
 from rostether.ros2.graph_view import GraphView
 from rostether.ros2.naming import validate_topic_name

@@ -10,11 +10,13 @@ import re
 from types import MappingProxyType
 
 from rostether.errors import DefinitionError
+from rostether.msgdef.primitives import PRIMITIVE_TYPES
 from rostether.msgdef.registry import Registry
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.parse import is_constant_name, is_field_name
-from rostether.msgdef.ros2.spec import INTEGER_RANGES, Ros2Constant, Ros2Field, Ros2Message, Ros2Type
-from rostether.msgdef.spec import PRIMITIVE_TYPES, Constant, Field, MessageSpec
+from rostether.msgdef.ros2.primitives import INTEGER_RANGES
+from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message, Ros2Type
+from rostether.msgdef.spec import Constant, Field, MessageSpec
 
 _TIME = "builtin_interfaces/msg/Time"
 _DURATION = "builtin_interfaces/msg/Duration"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 from rostether.mechanisms.text import counted
-from rostether.msgdef.ros2.spec import INTEGER_RANGES, STRING_TYPES, ConstantValue, DefaultValue, Ros2Type
+from rostether.msgdef.ros2.primitives import INTEGER_RANGES, STRING_TYPES
+from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Type
 from rostether.names.graph_name import quote
 
 # Longer numbers are out of range. Without this limit, Python's error for thousands of digits would appear.

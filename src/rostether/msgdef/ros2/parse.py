@@ -10,11 +10,10 @@ import re
 from collections.abc import Sequence
 
 from rostether.errors import DefinitionError
-from rostether.msgdef.parse_msg import MAX_ARRAY_LENGTH, MAX_FIELDS, MAX_TEXT_CHARACTERS, SourceLine
+from rostether.msgdef.parse_msg import MAX_ARRAY_LENGTH, MAX_FIELDS, MAX_TEXT_CHARACTERS
 from rostether.msgdef.ros2.literals import read_default, read_literal
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES, STRING_TYPES
 from rostether.msgdef.ros2.spec import (
-    PRIMITIVE_TYPES,
-    STRING_TYPES,
     ConstantValue,
     DefaultValue,
     Ros2Action,
@@ -24,6 +23,7 @@ from rostether.msgdef.ros2.spec import (
     Ros2Service,
     Ros2Type,
 )
+from rostether.msgdef.source_line import SourceLine
 from rostether.names.graph_name import quote
 
 SECTION_MARK = "---"

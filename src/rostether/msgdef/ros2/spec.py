@@ -7,19 +7,9 @@ Type names are `package/msg/Name` and `package/srv/Name`, as in ROS 2; the messa
 
 from __future__ import annotations
 
-from types import MappingProxyType
 from typing import TypeAlias
 
 from msgspec import Struct
-
-from rostether.msgdef import spec as ros1_spec
-
-STRING_TYPES = frozenset({"string", "wstring"})
-INTEGER_RANGES = MappingProxyType(
-    # Both old names are unsigned in ROS 2: byte is an octet, char a uint8.
-    {**ros1_spec.INTEGER_RANGES, "byte": (0, (1 << 8) - 1), "char": (0, (1 << 8) - 1)}
-)
-PRIMITIVE_TYPES = frozenset(INTEGER_RANGES) | STRING_TYPES | {"bool", "float32", "float64"}
 
 ConstantValue: TypeAlias = bool | int | float | str
 DefaultValue: TypeAlias = ConstantValue | tuple[ConstantValue, ...]

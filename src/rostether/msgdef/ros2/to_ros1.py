@@ -12,7 +12,8 @@ from typing import Protocol
 
 from rostether.msgdef.resolve_types import dependencies
 from rostether.msgdef.ros2.parse import REQUEST_SUFFIX, RESPONSE_SUFFIX
-from rostether.msgdef.ros2.spec import PRIMITIVE_TYPES, Ros2Constant, Ros2Field, Ros2Message, Ros2Service
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.ros2.spec import Ros2Constant, Ros2Field, Ros2Message, Ros2Service
 from rostether.msgdef.spec import Constant, Field, FieldType, MessageSpec
 
 _BASES = {"byte": "uint8", "char": "uint8", "wstring": "string"}

@@ -10,7 +10,8 @@ from typing import Any
 
 from msgspec import Struct
 
-from rostether.msgdef.ros2.spec import PRIMITIVE_TYPES, Ros2Message, Ros2Type
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.ros2.spec import Ros2Message, Ros2Type
 from rostether.serde.plain_form import clean_text
 from rostether.serde.values import Message
 

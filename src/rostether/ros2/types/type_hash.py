@@ -13,7 +13,8 @@ from typing import Any, Protocol
 
 from rostether.errors import DefinitionError
 from rostether.msgdef.resolve_types import dependencies
-from rostether.msgdef.ros2.spec import PRIMITIVE_TYPES, Ros2Field, Ros2Message, Ros2Service, Ros2Type
+from rostether.msgdef.ros2.primitives import PRIMITIVE_TYPES
+from rostether.msgdef.ros2.spec import Ros2Field, Ros2Message, Ros2Service, Ros2Type
 from rostether.msgdef.ros2.to_ros1 import MessageSource
 
 TYPE_HASH_NOT_SUPPORTED = "TypeHashNotSupported"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rostether.msgdef.spec import CONSTANT_TYPES
+from rostether.msgdef.primitives import CONSTANT_TYPES
 from rostether.rospy.client.message import Message, MessageException
 from rostether.rospy.client.message_types import get_message_class
 from rostether.rospy.client.stamps import TVal

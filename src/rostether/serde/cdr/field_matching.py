@@ -12,14 +12,8 @@ from collections.abc import Callable
 from typing import Final, Never
 
 from rostether.errors import TypeMismatchError
-from rostether.msgdef.ros2.spec import (
-    STRING_TYPES,
-    ConstantValue,
-    DefaultValue,
-    Ros2Field,
-    Ros2Message,
-    Ros2Type,
-)
+from rostether.msgdef.ros2.primitives import STRING_TYPES
+from rostether.msgdef.ros2.spec import ConstantValue, DefaultValue, Ros2Field, Ros2Message, Ros2Type
 from rostether.serde import type_tree
 from rostether.serde.cdr.conversion_tree import (
     DUMMY_NAME,
