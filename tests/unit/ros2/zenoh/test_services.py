@@ -19,7 +19,7 @@ from rostether.errors import (
     ServiceUnavailableError,
     TypeMismatchError,
 )
-from rostether.ros2.zenoh import services
+from rostether.ros2.zenoh import service_server
 from rostether.ros2.zenoh.attachment import Attachment, parse_attachment
 from rostether.ros2.zenoh.session import ZenohSession
 from rostether.ros2.zenoh.tokens import data_key
@@ -183,10 +183,10 @@ async def test_a_caller_that_hangs_does_not_delay_others(
         assert room.wait(60)
         finish(query, say)
 
-    finish = services._finish
+    finish = service_server._finish
     server, client = await session.join("server"), await session.join("client")
     handle = await server.advertise_service("/switch", SET_BOOL, agree)
-    monkeypatch.setattr(services, "_finish", wait_for_room)
+    monkeypatch.setattr(service_server, "_finish", wait_for_room)
     call = asyncio.ensure_future(client.call_service("/switch", SET_BOOL, b"\x01"))
     await until(waiting.is_set)
     assert not call.done()
