@@ -87,4 +87,4 @@ def _describe_ports(list_ports: ListPorts) -> str:
     ports = list_ports()
     if not ports:
         return "no serial port found; plug in the board"
-    return f"available: {listed([f'{port.path} ({port.description})' for port in ports], LISTED_PORTS)}"
+    return f"choose from: {listed([f'{port.path} ({port.description})' for port in ports], LISTED_PORTS)}"

@@ -232,7 +232,7 @@ async def test_a_missing_port_is_reported_with_what_is_there(
         await open_serial(missing)
     ports = [SerialPort(f"/dev/ttyUSB{number}", "CH340") for number in range(8)]
     monkeypatch.setattr(serial, "list_ports", lambda: ports)
-    with pytest.raises(TransportOpenError, match=r"available: /dev/ttyUSB0 \(CH340\), .* and 2 more"):
+    with pytest.raises(TransportOpenError, match=r"choose from: /dev/ttyUSB0 \(CH340\), .* and 2 more"):
         await open_serial(missing)
 
 

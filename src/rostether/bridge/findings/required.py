@@ -8,6 +8,7 @@ from rostether.bridge.findings.finding import Code, Finding, error
 from rostether.errors import InvalidNameError
 from rostether.mechanisms.text import listed
 
+# More topics would not fit on a line.
 _LISTED_ANNOUNCED = 8
 
 
