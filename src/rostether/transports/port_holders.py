@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 from pathlib import Path
 
 from msgspec import Struct
@@ -11,6 +12,8 @@ from msgspec import Struct
 _PTS = "/dev/pts/"
 # State of a listening socket in /proc/net/tcp.
 _LISTENING = "0A"
+# The number of the driver of /dev/null, /dev/zero and /dev/urandom, which every process may have open.
+_MEMORY_MAJOR = 1
 # The folders of lock files such as `LCK..ttyUSB0`, in which minicom, gpsd and pppd store their process id.
 LOCK_FOLDERS = ("/run/lock", "/var/lock", "/run/lock/lockdev")
 # A process id and the name of a program.
@@ -123,11 +126,13 @@ def _socket_inodes(port: int, kind: str) -> set[str]:
 
 
 def is_character_device(path: str) -> bool:
-    """Return whether a path is a device file, as serial ports are."""
+    """Return whether a path is a device file, as serial ports are, and not /dev/null or a similar one."""
     try:
-        return stat.S_ISCHR(Path(path).stat().st_mode)
+        status = Path(path).stat()
     except OSError:
         return False
+    is_memory = sys.platform == "linux" and os.major(status.st_rdev) == _MEMORY_MAJOR
+    return stat.S_ISCHR(status.st_mode) and not is_memory
 
 
 def find_port_user(path: str) -> str | None:

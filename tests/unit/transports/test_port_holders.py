@@ -109,3 +109,8 @@ def test_what_is_a_device(pty: str) -> None:
     assert not is_character_device(__file__)
     assert not is_character_device("/nowhere")
     assert str(Holder(7, "screen")) == "screen (PID 7)"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="device numbers differ")
+def test_every_process_has_dev_null_open_so_that_it_is_not_a_port() -> None:
+    assert not is_character_device("/dev/null")
