@@ -90,7 +90,10 @@ def install() -> None:
 
 
 def import_submodules(package: str) -> None:
-    """Import the modules of a package of ROS that are implemented here, for programs that import only it."""
+    """Import the modules of a ROS package that are implemented here.
+
+    Programs use them after an import of only the package.
+    """
     for name in _IMPLEMENTATIONS:
         if name.startswith(f"{package}."):
             importlib.import_module(name)

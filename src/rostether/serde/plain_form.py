@@ -45,7 +45,7 @@ def plain_value(
 
 
 def base64_text(value: bytes) -> str:
-    """Return bytes as base64 text, for values whose numbers would not show that they are bytes."""
+    """Return bytes as base64 text, because a list of numbers would not show that they are bytes."""
     return base64.b64encode(value).decode()
 
 
