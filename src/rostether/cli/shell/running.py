@@ -1,9 +1,10 @@
 """Runs a command's coroutine to a clean end, on any request to stop.
 
 Ctrl-C and SIGTERM cancel the command, which then leaves the graph; a second Ctrl-C does not wait for that. A
-command that computes without an `await` is interrupted, and leaves the graph too. Like rospy's nodes, and
-unlike most programs, a command handles SIGINT even if a shell started it in the background with SIGINT
-ignored: `command & ... kill -INT $!` is how scripts stop ROS programs.
+command that computes without an `await` is interrupted, and leaves the graph too; one that still reads its
+files, before its first `await`, ends immediately. Like rospy's nodes, and unlike most programs, a command
+handles SIGINT even if a shell started it in the background with SIGINT ignored: `command & ... kill -INT $!`
+is how scripts stop ROS programs.
 """
 
 from __future__ import annotations
@@ -79,6 +80,8 @@ class _Ending:
         self.exit_code: int | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._has_loop_answered = False
+        # The command runs, and has not waited for anything yet.
+        self._is_at_start = False
         self._arrived_s = 0.0
         self._codes = {signal.SIGINT: EXIT_INTERRUPTED, signal.SIGTERM: terminated_code}
         # Windows has no SIGHUP. A closed terminal ends a command as SIGTERM does, unless it runs under nohup.
@@ -116,9 +119,14 @@ class _Ending:
         if self.exit_code is not None:
             main.close()
             raise asyncio.CancelledError
+        # The loop calls this when the command waits for the first time.
+        loop.call_soon(self._note_wait)
+        # Commands on uvloop read their files before the loop starts, and uvloop may handle KeyboardInterrupt.
+        self._is_at_start = isinstance(loop, asyncio.BaseEventLoop)
         try:
             return await main
         finally:
+            self._is_at_start = False
             self._keep_handlers(loop)
 
     def _keep_handlers(self, loop: asyncio.AbstractEventLoop) -> None:
@@ -143,6 +151,9 @@ class _Ending:
         self.exit_code, self._arrived_s = code, now_s
         signal.signal(signal.SIGALRM, self._handle_alarm)
         signal.setitimer(signal.ITIMER_REAL, BUSY_S, BUSY_S)
+        if self._is_at_start:
+            # The command reads its files, perhaps from a pipe that is silent, and has nothing to leave.
+            self._handle_alarm(signal.SIGALRM, None)
 
     def _handle_alarm(self, _number: int, _frame: object) -> None:
         loop = self._loop
@@ -159,6 +170,9 @@ class _Ending:
 
     def _answer(self) -> None:
         self._has_loop_answered = True
+
+    def _note_wait(self) -> None:
+        self._is_at_start = False
 
     def stop(self) -> None:
         """Stop checking whether the loop is busy, and handle signals as before."""

@@ -185,6 +185,48 @@ def test_a_signal_interrupts_a_computation(
     assert (process.returncode, output, errors) == (code, "left\n", "")
 
 
+READS = """
+import sys
+from rostether.cli.shell import running
+from rostether.cli.shell.failures import exit_code_of
+
+# The test would take this long if the signal waited for the end of the reading.
+running.BUSY_S = 1000
+
+async def read():
+    try:
+        print("reading", flush=True)
+        sys.stdin.read()
+    finally:
+        print("closed", flush=True)
+
+sys.exit(exit_code_of(lambda: running.run(read(), is_service={is_service})))
+"""
+
+
+@pytest.mark.parametrize(("number", "is_service", "code"), ENDS)
+def test_a_signal_ends_a_command_that_reads_a_silent_pipe_at_its_start(
+    number: signal.Signals, is_service: bool, code: int
+) -> None:
+    program = READS.format(is_service=is_service)
+    process = subprocess.Popen(
+        [sys.executable, "-c", program],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "reading\n"
+        process.send_signal(number)
+        assert process.wait(timeout=20) == code
+        output, errors = process.communicate()
+    finally:
+        process.kill()
+    assert (output, errors) == ("closed\n", "")
+
+
 TERMINATED_TWICE = """
 import asyncio, os, signal, sys
 from rostether.cli.shell.failures import exit_code_of
