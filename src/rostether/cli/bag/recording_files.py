@@ -91,6 +91,8 @@ def new_path(name: str | None, prefix: str | None, source: Form, asked: Form | N
         begin = f"{prefix.removesuffix(BAG_SUFFIX)}_" if prefix else ""
         name = f"{begin or ('rosbag2_' if wanted is Form.ROS2 else '')}{dated_name()}"
     path = Path(name)
+    if not path.name:
+        raise ConfigError(f"{path} is a folder; give the name of a new file or folder in it")
     if path.suffix not in FILE_SUFFIXES and wanted is Form.ROS1:
         path = path.with_name(path.name + BAG_SUFFIX)
     return path, form_for(path, source, asked)

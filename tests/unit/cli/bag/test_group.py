@@ -168,6 +168,7 @@ def test_what_makes_no_sense_is_reported(tmp_path: Path, bag: Path, shell: Shell
     assert "--all" in shell.failure("bag", "record", code=2)
     assert "--size or --duration" in shell.failure("bag", "record", "-a", "--split", code=2)
     assert "not a duration" in shell.failure("bag", "record", "-a", "--duration", "soon", code=2)
+    assert shell.failure("bag", "record", "-a", "-O", ".").startswith(". is a folder; give the name")
 
 
 @pytest.mark.parametrize("verb", [("bag", "info"), ("bag", "check"), ("bag", "reindex"), ("export",)])
