@@ -1,11 +1,13 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
+import threading
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
 
+from rostether.msgdef.definition_files import PackageFiles, find_definitions
 from unit.cli.command_shell import LiveGraph, Shell
 
 
@@ -28,6 +30,19 @@ def shell(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, t
     for name in ("shell.running", "bridge.serving"):
         monkeypatch.setattr(f"rostether.cli.{name}.show_library_logs", lambda *_: None)
     return Shell(capsys, monkeypatch)
+
+
+@pytest.fixture
+def searching_threads(monkeypatch: pytest.MonkeyPatch) -> list[threading.Thread]:
+    """The threads that have searched folders for definitions."""
+    threads: list[threading.Thread] = []
+
+    def note(*folders: Iterable[Path]) -> dict[str, PackageFiles]:
+        threads.append(threading.current_thread())
+        return find_definitions(*folders)
+
+    monkeypatch.setattr("rostether.msgdef.registry.find_definitions", note)
+    return threads
 
 
 @pytest.fixture

@@ -70,7 +70,7 @@ class Ros1Services:
 
     async def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the names of a service's arguments."""
-        write_line(_argument_names(await self._ask(probe_type, service), msg_paths))
+        write_line(await _argument_names(await self._ask(probe_type, service), msg_paths))
 
     async def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:
         """Print which node offers a service, its URI, its type and its arguments."""
@@ -81,7 +81,7 @@ class Ros1Services:
         show(f"Node: {node}\nURI: {uri}")
         type_name = await probe_uri(name, uri)
         show(f"Type: {type_name}")
-        arguments = _argument_names(type_name, msg_paths)
+        arguments = await _argument_names(type_name, msg_paths)
         record = {"service": name, "node": node, "uri": uri, "type": type_name, "args": arguments.split()}
         write_result(record, f"Args: {arguments}", as_json=as_json)
 
@@ -134,11 +134,13 @@ class Ros1Services:
             return await question(client, resolve(service, self._environment))
 
 
-def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
+async def _argument_names(type_name: str, msg_paths: tuple[Path, ...]) -> str:
     from rostether.msgdef.registry import Registry
+    from rostether.msgdef.search_waiting import wait_for_definitions
 
-    fields = Registry.from_environment(msg_paths).service(type_name).request.fields
-    return " ".join(field.name for field in fields)
+    registry = Registry.from_environment(msg_paths)
+    service = await wait_for_definitions(registry, lambda: registry.service(type_name))
+    return " ".join(field.name for field in service.request.fields)
 
 
 async def _requests(graph: TypedGraph, type_name: str, arguments: tuple[str, ...]) -> AsyncIterator[Message]:

@@ -64,11 +64,13 @@ class Ros2Services:
 
     async def args(self, service: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the names of a service's arguments."""
+        from rostether.msgdef.search_waiting import wait_for_definitions
         from rostether.ros2.types.native_registry import NativeRegistry
 
         name, view = await _view_of(self._graph, service)
+        type_name = view.types([EndpointKind.SERVER], name)[0]
         registry = NativeRegistry.from_environment(msg_paths)
-        definition = registry.ros2_service(view.types([EndpointKind.SERVER], name)[0])
+        definition = await wait_for_definitions(registry, lambda: registry.ros2_service(type_name))
         write_line(" ".join(field.name for field in definition.request.fields))
 
     async def info(self, service: str, msg_paths: tuple[Path, ...], *, as_json: bool) -> None:

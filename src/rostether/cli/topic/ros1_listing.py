@@ -94,12 +94,13 @@ class Ros1TopicListing:
 
     async def type_of(self, topic: str, msg_paths: tuple[Path, ...]) -> None:
         """Print the type of a topic, or of a field in it. Raises UnknownNameError."""
+        from rostether.msgdef.search_waiting import wait_for_definitions
         from rostether.serde.field_path import FieldPath
 
         name = resolve_with_field(topic, self._environment)
         store = type_store(msg_paths)
         views = await fetch_topics(self._environment)
-        chosen = choose_topic(name, views, store)
+        chosen = await wait_for_definitions(store.registry, lambda: choose_topic(name, views, store))
         if chosen is None:
             raise UnknownNameError(unknown_topic(name, (view.name for view in views)))
         if not chosen.field:

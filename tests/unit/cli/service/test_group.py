@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -131,6 +132,14 @@ def test_call_of_a_service_whose_type_is_not_known_here(
         assert "--msg-path" in line
     assert shell.output("service", "call", "--msg-path", str(tmp_path), "/add", "-2", "3") == "sum: 1\n"
     assert shell.output("service", "args", "--msg-path", str(tmp_path), "/add") == "a b\n"
+
+
+@pytest.mark.parametrize("verb", ["args", "info"])
+def test_definitions_are_searched_beside_the_event_loop(
+    board: Ros1Graph, shell: Shell, tmp_path: Path, verb: str, searching_threads: list[threading.Thread]
+) -> None:
+    shell.output("service", verb, "--msg-path", str(tmp_path), "/set_led")
+    assert [each.name for each in searching_threads] == ["definitions"] * 2
 
 
 def test_call_without_a_request_names_the_fields(board: Ros1Graph, shell: Shell) -> None:

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import threading
+from pathlib import Path
+
 import pytest
 
 from rostether.cli.shell.own_command import CALLED_AS_VARIABLE
@@ -96,6 +99,13 @@ def test_type(board: Ros1Graph, shell: Shell) -> None:
     )
     assert "has no publisher and no subscriber" in shell.failure("topic", "type", "/ultrasound/nope")
     assert "has no publisher and no subscriber" in shell.failure("topic", "type", "/anything")
+
+
+def test_the_type_of_a_field_is_searched_beside_the_event_loop(
+    board: Ros1Graph, shell: Shell, tmp_path: Path, searching_threads: list[threading.Thread]
+) -> None:
+    shell.output("topic", "type", "--msg-path", str(tmp_path), "/ultrasound/range")
+    assert [each.name for each in searching_threads] == ["definitions"] * 2
 
 
 def test_find(board: Ros1Graph, shell: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
