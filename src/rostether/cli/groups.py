@@ -95,7 +95,7 @@ bag = verb_group(
         "record": ("record:bag_record", "Record topics into a file."),
         "play": ("play:bag_play", "Replay recordings into the graph."),
         "info": ("info:bag_info", "Show the contents of a recording."),
-        "check": ("repack:bag_check", "Check a recording for errors."),
+        "check": ("check:bag_check", "Check a recording for errors."),
         "filter": ("copying:bag_filter", "Keep the messages that match an expression."),
         "cut": ("copying:bag_cut", "Keep the messages of a period of time."),
         "convert": ("copying:bag_convert", "Convert between formats."),

@@ -56,7 +56,7 @@ role = verb_group(
         "mux-add": ("role.topic_tools:mux_add", "Add an input to a mux."),
         "mux-delete": ("role.topic_tools:mux_delete", "Remove an input from a mux."),
         "mux-list": ("role.topic_tools:mux_list", "List the inputs of a mux."),
-        "joy-node": ("role.robot:joy_node", "Publish a joystick's axes and buttons."),
+        "joy-node": ("role.joy:joy_node", "Publish a joystick's axes and buttons."),
         "arduino-control": (
             "platform.roles:arduino_control",
             "Turn a joystick into commands for a robot.",
