@@ -175,13 +175,13 @@ def link_record(
     listen: str | None,
     msg_paths: tuple[Path, ...],
     graph: GraphOptions,
-) -> None:
+) -> int:
     """Serve the board at ADDRESS, as `rostether serve` does, and record its line to FILE until Ctrl-C.
 
     The bridge itself records, so it opens the port only once. FILE must not exist. If the command is
     killed, only the last 0.2 s are missing. FILE contains every message between board and host.
     """
-    ctx.invoke(
+    code: int = ctx.invoke(
         serve,
         addresses=(address,),
         master=graph.master,
@@ -191,3 +191,4 @@ def link_record(
         allow=graph.allow,
         msg_paths=msg_paths,
     )
+    return code

@@ -15,6 +15,7 @@ from contract.graphs import wait_for_snapshot
 from interop.ros1_peers import free_port
 from programs import started
 from rostether.cli.bag.formatting import MEGABYTE
+from rostether.cli.bridge.serve import serve
 from rostether.joining import join
 from rostether.ros1.master.server import MasterServer
 from rostether.transports.capture import Capture, Chunk
@@ -115,6 +116,14 @@ async def test_the_limit_is_reported_and_the_board_still_served(tmp_path: Path) 
         await record.wait_for("has reached 0.01 MB: the recording has stopped", timeout_s=60)
         await receive(environ, "/chatter", 3)
     assert file.stat().st_size <= 0.01 * MEGABYTE
+
+
+@pytest.mark.parametrize("code", [0, 1])
+def test_record_has_the_exit_code_of_serve(
+    shell: Shell, tmp_path: Path, code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(serve, "callback", lambda **_: code)
+    assert shell("link", "record", "tcp://:0", str(tmp_path / "a.jsonl")).code == code
 
 
 async def test_no_file_is_overwritten(tmp_path: Path) -> None:
