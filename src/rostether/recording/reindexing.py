@@ -6,7 +6,7 @@ import shutil
 import tempfile
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -153,6 +153,8 @@ def write_messages(
                 writer.write(writer.add_connection(message.connection), message.time_ns, (message.payload,))
             writer.close()
         except BaseException:
+            with suppress(RecordingError):
+                writer.close()
             if output.is_dir():
                 shutil.rmtree(output, ignore_errors=True)
             elif output.suffix == ".db3":
