@@ -185,6 +185,12 @@ def test_a_signal_interrupts_a_computation(
     assert (process.returncode, output, errors) == (code, "left\n", "")
 
 
+def until_sleeping(pid: int) -> None:
+    stat = Path(f"/proc/{pid}/stat")
+    while stat.read_text().rpartition(")")[2].split()[0] != "S":
+        time.sleep(0.01)
+
+
 READS = """
 import sys
 from rostether.cli.shell import running
@@ -219,6 +225,8 @@ def test_a_signal_ends_a_command_that_reads_a_silent_pipe_at_its_start(
     try:
         assert process.stdout is not None
         assert process.stdout.readline() == "reading\n"
+        # Python handles a signal that comes just before the system call only after it, which is never here.
+        until_sleeping(process.pid)
         process.send_signal(number)
         assert process.wait(timeout=20) == code
         output, errors = process.communicate()
