@@ -163,6 +163,9 @@ def read_definition(file: Path) -> str:
 
     Comments may have any encoding, so bytes that are not UTF-8 are replaced.
     """
+    if file.exists() and not file.is_file():
+        # Opening a FIFO may never return.
+        raise DefinitionError("is not a file with a definition; remove it", file=str(file))
     try:
         with file.open("rb") as stream:
             data = stream.read(MAX_TEXT_CHARACTERS + 1)

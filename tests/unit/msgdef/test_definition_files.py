@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -120,12 +121,20 @@ def test_a_text_may_have_any_line_ends_byte_order_mark_and_encoding(tmp_path: Pa
 def test_a_text_that_cannot_be_read_is_an_error_with_its_file(tmp_path: Path) -> None:
     with pytest.raises(DefinitionError, match=r"Foo\.msg: cannot be read: No such file"):
         read_definition(tmp_path / "Foo.msg")
-    with pytest.raises(DefinitionError, match="cannot be read"):
+    with pytest.raises(DefinitionError, match="is not a file with a definition; remove it"):
         read_definition(tmp_path)
     large = tmp_path / "Large.msg"
     large.write_bytes(b"#" * (MAX_TEXT_CHARACTERS + 1))
     with pytest.raises(DefinitionError, match="longer"):
         read_definition(large)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no FIFOs")
+def test_a_fifo_is_refused_without_waiting_for_a_writer(tmp_path: Path) -> None:
+    file = tmp_path / "Foo.msg"
+    os.mkfifo(file)
+    with pytest.raises(DefinitionError, match=r"Foo\.msg: is not a file with a definition; remove it"):
+        read_definition(file)
 
 
 def test_bundled_files_have_only_their_exact_names() -> None:
