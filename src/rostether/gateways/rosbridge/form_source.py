@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import json
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from enum import Enum
 from json.encoder import encode_basestring_ascii
@@ -106,7 +107,7 @@ def compile_text(tree: Struct, leaves: Leaves) -> WriteText:
     return _TextSource(leaves).compiled(tree)  # type: ignore[no-any-return]
 
 
-class _Source:
+class _Source(ABC):
     """The source of the functions of a type and its nested types; `names` are the globals of the source."""
 
     def __init__(self, leaves: Leaves) -> None:
@@ -128,8 +129,8 @@ class _Source:
             self._functions += [f"def {name}(m):", *indented(body, 4)]
         return name
 
-    def _body(self, tree: Struct) -> list[str]:
-        raise NotImplementedError
+    @abstractmethod
+    def _body(self, tree: Struct) -> list[str]: ...
 
 
 class _ValuesSource(_Source):
